@@ -1,0 +1,57 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// Opening an image. Nothing in the file is believed before ImageView::open has returned ok: it verifies the header, the
+// checksums of all sections, the FlatBuffers directory, and then every number in the directory against its range and
+// against the others (formats/SPEC.md). After that the accessors below need no further checks. What stays untrusted are the
+// coded bytes themselves: decoders (target/decode) check them as they run.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "formats/block.h"
+#include "formats/parameter_space.h"
+#include "formats/rig.h"
+#include "formats/status.h"
+#include "image_generated.h"
+
+namespace vitrine {
+
+inline constexpr char kImageMagic[8] = {'V', 'I', 'T', 'R', 'I', 'N', 'E', '\x1a'};
+inline constexpr uint32_t kImageVersion = 1;       // written; the engine reads exactly kOldestImageVersion..kImageVersion
+inline constexpr uint32_t kOldestImageVersion = 1;
+inline constexpr size_t kSectionAlignment = 64;
+
+// Limits of one image; a reader refuses more (formats/SPEC.md gives the reasons).
+inline constexpr uint32_t kMaxObjects = 4096, kMaxRigNodes = 65536, kMaxTextureSize = 8192, kMaxVertices = 1u << 24;
+
+class ImageView {
+ public:
+  ImageView() = default;
+  // `file` must stay mapped and unchanged for the life of the view, and be 64-byte aligned (a mapping is).
+  static Result<ImageView> open(std::span<const std::byte> file);
+
+  const fb::Image& directory() const { return *directory_; }
+  std::span<const std::byte> section(uint32_t index) const;
+  size_t file_bytes() const { return file_.size(); }
+  uint32_t version() const { return version_; }
+  ParameterSpace space() const;
+  Camera camera() const;
+  FieldShape shape_of(const fb::Field& field) const;
+
+  // Rig, into the caller's arrays (sizes: directory().nodes()->size(), tracks()->size()). Spans point into the file.
+  void read_rig(std::span<RigNode> nodes, std::span<RigTrack> tracks) const;
+
+ private:
+  std::span<const std::byte> file_;
+  const fb::Image* directory_ = nullptr;
+  uint32_t version_ = 0;
+};
+
+// Meshes: vertices are {float x, y, z, u, v}, indices uint32. Decodes into the caller's arrays of exactly the counts that
+// the object declares; fails on damaged data or an index out of range.
+struct MeshVertex { float x, y, z, u, v; };
+Status decode_mesh(const ImageView& image, const fb::Object& object, std::span<MeshVertex> vertices, std::span<uint32_t> indices);
+
+}  // namespace vitrine

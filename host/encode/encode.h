@@ -1,0 +1,45 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// Coding of fields (Hakura 2001, chapter 4): blocks, adaptive Laplacian pyramids over the parameter axes, the DCT coder, and
+// storage by equal slopes.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "formats/block.h"
+#include "host/base/progress.h"
+
+namespace vitrine {
+
+// One texture of a field as companded codes in Y, Co, Cg: 3 planes of width * height.
+using CodedPlanes = std::vector<int16_t>;
+
+struct FieldSource {
+  ParameterSpace space;                 // restricted to the field's axes
+  int width = 0, height = 0;
+  std::vector<float> importance;        // per texel, screen pixels per texel (may hold zeros: texels that are never seen)
+  double samples_shown = 1;             // grid samples of the whole space that one texture of this field serves
+  std::function<CodedPlanes(int64_t)> load;  // texture of a flat field sample; called from several threads
+};
+
+struct EncodedField {
+  FieldShape shape;
+  std::vector<uint16_t> level_steps;    // 3 per level: Y, Co, Cg
+  std::vector<uint8_t> contexts;        // initial states, one set per level
+  std::vector<uint8_t> nodes;           // all coded nodes in node order
+  std::vector<uint32_t> node_bytes, node_units;  // per node
+  double squared_error = 0;             // sum over leaves and texels of importance-weighted squared code error
+  uint64_t bytes() const { return nodes.size() + contexts.size() + 8 * node_bytes.size(); }
+};
+
+struct EncodeOptions {
+  uint64_t target_bytes = 0;            // of all fields together (nodes, contexts, node tables); met from below, within 1 % where the signal needs that much
+  double quantizer = 0;                 // > 0: this base step instead of a target
+};
+
+// The result depends on the inputs alone, not on the number of threads.
+std::vector<EncodedField> encode_fields(const std::vector<FieldSource>& fields, const EncodeOptions& options, Progress& progress);
+
+}  // namespace vitrine

@@ -1,0 +1,65 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// Texture inference (Hakura 2001, chapter 3): for every object, layer and sample the texture with which the target's own
+// rasterizer reproduces the traced frame best.
+//
+//   min over x  || W (A x - b) ||^2 + e_f (n_s / n_t) Gamma(x)
+//
+// x is the finest MIP level alone: the target makes the coarser ones from it by target/mip.h, so the rendering matrix read
+// off the device (all levels) is multiplied by that decimation. W weights a pixel by its coverage. Gamma is the squared
+// difference between each level and the bilinearly interpolated next coarser one (section 3.5.3); it fills what no pixel sees.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+#include "formats/image.h"
+#include "formats/parameter_space.h"
+#include "hal/gpu.h"
+#include "host/base/progress.h"
+#include "host/frames/store.h"
+#include "host/scene/scene.h"
+
+namespace vitrine {
+
+// An object as the target draws it: its mesh with the texture coordinates of its own texture domain.
+struct DrawnObject {
+  int object = 0;                        // index into Scene::objects
+  std::vector<MeshVertex> vertices;      // node space
+  std::vector<uint32_t> indices;
+  uint32_t culled_index_count = 0;       // the first of them are single-sided
+  int texture_width = 0, texture_height = 0;
+};
+
+// One layer of one object over the axes on which it depends.
+struct Field {
+  int drawn_object = 0;                  // index into Inference::objects
+  std::string layer;                     // "diffuse", "specular"
+  AxisMask axes = 0;
+  ParameterSpace space;                  // the scene's, restricted to `axes`
+  std::vector<StoreKey> textures;        // per sample of `space` (flat): planes "R", "G", "B": linear radiance; row 0 is v = 0
+  std::vector<float> importance;         // per texel of the finest level: screen pixels that it feeds, mean over all frames
+};
+
+struct Inference {
+  std::vector<DrawnObject> objects;      // only those that some frame shows
+  std::vector<Field> fields;             // only layers that carry light
+};
+
+struct InferenceOptions {
+  int width = 640, height = 480, supersampling = 2;
+  float regularization = 0.02f;          // e_f
+  int iterations = 40;                   // of conjugate gradients, at most
+  float texels_per_pixel = 1.0f;         // of the texture domain at the finest level
+  int max_texture_size = 1024;
+};
+
+// `frames`: keys of all grid samples, flat order; all are in the store. `gpu`: a device with float targets. Results go to the
+// store texture by texture and are taken from there when they are found, so an interrupted run resumes; the result does not
+// depend on how often it was interrupted nor on the number of threads.
+Inference infer_textures(const Scene& scene, const std::vector<StoreKey>& frames, const Store& store, hal::Gpu& gpu, const InferenceOptions& options, Progress& progress);
+
+}  // namespace vitrine

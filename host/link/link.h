@@ -1,0 +1,27 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// Links meshes, rig, coded fields and plan into one image.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "host/encode/encode.h"
+#include "host/infer/inference.h"
+#include "host/plan/plan.h"
+#include "host/scene/scene.h"
+
+namespace vitrine {
+
+struct LinkInput {
+  const Scene* scene = nullptr;
+  int width = 0, height = 0, supersampling = 2;
+  const Inference* inference = nullptr;
+  const std::vector<EncodedField>* encoded = nullptr;  // parallel to inference->fields
+  Plan plan;
+};
+
+// The bytes of the image: deterministic, and ImageView::open accepts them.
+std::vector<std::byte> link_image(const LinkInput& input);
+
+}  // namespace vitrine

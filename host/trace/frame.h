@@ -1,0 +1,28 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// What the tracer makes of one grid sample.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include <glm/vec3.hpp>
+
+namespace vitrine {
+
+// One object's light in one frame, cropped to the pixels that it covers. Row 0 is the top of the picture.
+struct ObjectFrame {
+  int object = 0;                         // index into Scene::objects
+  int x = 0, y = 0, width = 0, height = 0;  // data window; 0 x 0 where the object is not seen
+  std::vector<float> coverage;            // filtered with the pixel filter, [0, 1]
+  std::vector<glm::vec3> diffuse;         // radiance of first diffuse hits (and of view-independent emission), divided by coverage; 0 where coverage is 0
+  std::vector<glm::vec3> specular;        // all else, divided by coverage
+};
+
+struct Frame {
+  int width = 0, height = 0;
+  std::vector<glm::vec3> combined;        // filtered radiance of the whole picture = sum of coverage * (diffuse + specular)
+  std::vector<ObjectFrame> objects;       // empty when layers were not asked for
+};
+
+}  // namespace vitrine

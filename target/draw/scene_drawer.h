@@ -1,0 +1,62 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// Draws textured objects into a supersampled linear picture and resolves it to the screen. The engine plays with it, and
+// the host reads the rendering matrix off it (host/infer): what is inverted is what will run.
+//
+// A picture is drawn at `supersampling` times the output size into a float target, without antialiasing, each fragment one
+// trilinear texture fetch; the resolve pass filters it with formats/pixel_filter.h, multiplies by the exposure, clamps and
+// applies the sRGB curve.
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include <glm/mat4x4.hpp>
+
+#include "formats/image.h"
+#include "formats/status.h"
+#include "hal/gpu.h"
+
+namespace vitrine {
+
+struct DrawerDesc {
+  int width = 0, height = 0;   // output pixels
+  int supersampling = 2;       // 1..4
+  hal::TextureFormat target_format = hal::TextureFormat::kRgba16f;  // kRgba32f for inference
+};
+
+struct DrawMesh {
+  hal::Mesh mesh;
+  uint32_t index_count = 0;
+  uint32_t culled_index_count = 0;  // the first of them are drawn with back faces culled
+};
+
+class SceneDrawer {
+ public:
+  static Result<SceneDrawer> create(hal::Gpu& gpu, const DrawerDesc& desc);
+
+  Result<DrawMesh> create_mesh(std::span<const MeshVertex> vertices, std::span<const uint32_t> indices, uint32_t culled_index_count);
+  // Linear texture with a full MIP chain down to 1 x 1, trilinear, clamped.
+  Result<hal::Texture> create_texture(int width, int height, hal::TextureFormat format);
+
+  // begin; draw every object; end: the supersampled picture stands in supersampled(). resolve: filters it into `output`
+  // (id 0: the screen).
+  Status begin();
+  // `mirrored`: world_from_object turns the surface inside out (negative determinant).
+  Status draw(const DrawMesh& mesh, const glm::mat4& clip_from_object, bool mirrored, hal::Texture texture);
+  Status end();
+  Status resolve(hal::Target output, float exposure);
+
+  hal::Target supersampled() const { return supersampled_; }
+  int supersampled_width() const { return desc_.width * desc_.supersampling; }
+  int supersampled_height() const { return desc_.height * desc_.supersampling; }
+  const DrawerDesc& desc() const { return desc_; }
+
+ private:
+  hal::Gpu* gpu_ = nullptr;
+  DrawerDesc desc_;
+  hal::Target supersampled_;
+  hal::Program draw_program_, resolve_program_;
+};
+
+}  // namespace vitrine
