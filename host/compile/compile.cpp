@@ -1,0 +1,237 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "host/compile/compile.h"
+
+#include <chrono>
+#include <fstream>
+
+#include "formats/companding.h"
+#include "formats/color.h"
+#include "hal/backends.h"
+#include "hal/storage.h"
+#include "host/base/error.h"
+#include "host/encode/encode.h"
+#include "host/link/link.h"
+#include "host/plan/plan.h"
+
+namespace vitrine {
+namespace {
+
+// Changes whenever encode, plan or link would make other bytes of the same textures.
+constexpr int kImageRevision = 1;
+
+int64_t render_missing(const Scene& scene, const std::vector<StoreKey>& keys, const Store& store, Progress& progress) {
+  std::vector<int64_t> missing;
+  for (size_t i = 0; i < keys.size(); ++i)
+    if (!store.has_frame(keys[i])) missing.push_back(static_cast<int64_t>(i));
+  const auto total = static_cast<int64_t>(keys.size());
+  progress.begin("trace", total, total - static_cast<int64_t>(missing.size()), "frames");
+  if (!missing.empty()) {
+    Tracer tracer(scene);
+    const ParameterSpace space = scene.space();
+    for (const int64_t sample : missing) {
+      const Position position = space.position_of(space.index_from_flat(sample));
+      store.save_frame(keys[sample], scene, tracer.render(position, trace_options(scene)));
+      progress.advance(1);
+    }
+  }
+  progress.end();
+  return static_cast<int64_t>(missing.size());
+}
+
+Inference infer(const Scene& scene, const std::vector<StoreKey>& keys, const Store& store, int supersampling, Progress& progress) {
+  auto gpu = hal::create_osmesa_gpu(scene.settings.width, scene.settings.height);
+  if (!gpu.ok()) throw InputError("OSMesa", gpu.status().detail(), "install the packages of tools/packages.txt");
+  return infer_textures(scene, keys, store, *gpu.value(), inference_options(scene, supersampling), progress);
+}
+
+// A stored linear texture as the coder wants it: companded codes in Y, Co, Cg.
+CodedPlanes coded_planes(const LayeredImage& texture) {
+  const size_t texels = static_cast<size_t>(texture.width) * texture.height;
+  CodedPlanes planes(3 * texels);
+  for (size_t i = 0; i < texels; ++i) {
+    const Ycocg c = ycocg_from_rgb({code_from_radiance(texture.planes[0].values[i]), code_from_radiance(texture.planes[1].values[i]),
+                                    code_from_radiance(texture.planes[2].values[i])});
+    planes[i] = static_cast<int16_t>(c.y);
+    planes[texels + i] = static_cast<int16_t>(c.co);
+    planes[2 * texels + i] = static_cast<int16_t>(c.cg);
+  }
+  return planes;
+}
+
+FieldSource field_source(const Scene& scene, const Inference& inference, const Field& field, const Store& store) {
+  const DrawnObject& object = inference.objects[field.drawn_object];
+  FieldSource source;
+  source.space = field.space;
+  source.width = object.texture_width;
+  source.height = object.texture_height;
+  source.importance = field.importance;
+  source.samples_shown = static_cast<double>(scene.space().sample_count()) / static_cast<double>(field.space.sample_count());
+  source.load = [&store, &field](int64_t sample) {
+    const auto texture = store.load_planes(field.textures[sample]);
+    if (!texture) throw InputError("work folder", "a texture disappeared while it was compiled", "run the same command again");
+    return coded_planes(*texture);
+  };
+  return source;
+}
+
+// The key of everything that the image's bytes depend on.
+StoreKey image_key(const Scene& scene, const Inference& inference, const Profile& profile, uint64_t bytes) {
+  KeyBuilder key;
+  key.text("image");
+  key.integer(kImageRevision);
+  key.integer(static_cast<int64_t>(bytes));
+  key.text(profile.name);
+  for (const uint64_t value : {profile.units_per_frame, profile.upload_bytes_per_frame, profile.cache_bytes})
+    key.integer(static_cast<int64_t>(value));
+  key.integer(profile.supersampling);
+  key.number(scene.settings.exposure);
+  key.integer(scene.settings.interpolate);
+  for (const Axis& axis : scene.axes) {
+    key.text(axis.name);
+    key.integer(static_cast<int>(axis.shape.kind));
+    key.integer(axis.shape.samples);
+    key.number(axis.max_speed);
+  }
+  for (const DrawnObject& object : inference.objects) {
+    key.text(scene.objects[object.object].name);
+    key.bytes(object.vertices.data(), object.vertices.size() * sizeof(MeshVertex));
+    key.bytes(object.indices.data(), object.indices.size() * sizeof(uint32_t));
+    key.integer(object.culled_index_count);
+  }
+  for (const Field& field : inference.fields) {
+    key.integer(field.drawn_object);
+    key.text(field.layer);
+    key.integer(field.axes);
+    for (const StoreKey& texture : field.textures) key.text(texture.hex());
+    key.bytes(field.importance.data(), field.importance.size() * sizeof(float));
+  }
+  return key.finish();
+}
+
+std::vector<std::byte> read_file(const std::filesystem::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::vector<char> bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
+  const auto* first = reinterpret_cast<const std::byte*>(bytes.data());
+  return {first, first + bytes.size()};
+}
+
+// Encodes for `field_bytes`, plans and links.
+std::vector<std::byte> build_image(const Scene& scene, const Inference& inference, const Store& store, const Profile& profile,
+                                   uint64_t field_bytes, Progress& progress) {
+  std::vector<FieldSource> sources;
+  for (const Field& field : inference.fields) sources.push_back(field_source(scene, inference, field, store));
+  const std::vector<EncodedField> encoded = encode_fields(sources, {.target_bytes = field_bytes}, progress);
+
+  std::vector<PlannedField> planned;
+  for (size_t f = 0; f < encoded.size(); ++f)
+    planned.push_back({inference.fields[f].axes, &encoded[f], sources[f].width, sources[f].height});
+  std::vector<float> speeds;
+  for (const Axis& axis : scene.axes) speeds.push_back(axis.max_speed);
+
+  LinkInput input;
+  input.scene = &scene;
+  input.width = scene.settings.width;
+  input.height = scene.settings.height;
+  input.supersampling = profile.supersampling;
+  input.inference = &inference;
+  input.encoded = &encoded;
+  input.plan = make_plan(scene.space(), speeds, planned, scene.settings.interpolate, profile);
+  return link_image(input);
+}
+
+// What an image holds beside the coded fields (meshes, rig, directory), as a first guess: build_to_size corrects it.
+uint64_t guessed_overhead(const Inference& inference) {
+  uint64_t bytes = 4096;
+  for (const DrawnObject& object : inference.objects) bytes += 512 + 9 * object.vertices.size() + object.indices.size() / 2;
+  return bytes;
+}
+
+// An image of at most `bytes`, and at least 98.5 % of them where the fields have that much to say.
+std::vector<std::byte> build_to_size(const Scene& scene, const Inference& inference, const Store& store, const Profile& profile,
+                                     uint64_t bytes, Progress& progress) {
+  constexpr int kAttempts = 3;
+  uint64_t overhead = guessed_overhead(inference);
+  for (int attempt = 1;; ++attempt) {
+    const uint64_t for_fields = std::max<uint64_t>(bytes - std::min(bytes, overhead), bytes / 16);
+    std::vector<std::byte> image = build_image(scene, inference, store, profile, for_fields, progress);
+    const bool fits = image.size() <= bytes, full = image.size() * 1000 >= bytes * 985;
+    if ((fits && full) || attempt == kAttempts) {
+      if (!fits) {
+        throw InputError(scene.file.string(), "the image needs " + std::to_string(image.size()) + " bytes, storage allows " + std::to_string(bytes),
+                         "allow more storage, or lower resolution_scale");
+      }
+      return image;
+    }
+    const int64_t beside = static_cast<int64_t>(image.size()) - static_cast<int64_t>(for_fields);
+    if (fits && beside + static_cast<int64_t>(bytes / 100) >= static_cast<int64_t>(overhead)) return image;  // the fields had no more to say
+    overhead = static_cast<uint64_t>(std::max<int64_t>(beside, 0)) + 64;
+  }
+}
+
+void write_image(const std::filesystem::path& path, const std::vector<std::byte>& bytes) {
+  const Status status = hal::write_file_atomically(path.c_str(), bytes);
+  if (!status.ok()) throw InputError(path.string(), status.detail(), "check that the folder exists and has room");
+}
+
+}  // namespace
+
+TraceOptions trace_options(const Scene& scene) {
+  return {scene.settings.width, scene.settings.height, scene.settings.samples_per_pixel, 0, true};
+}
+
+std::vector<StoreKey> frame_keys(const Scene& scene) {
+  const ParameterSpace space = scene.space();
+  const StoreKey base = scene_key(scene);
+  std::vector<StoreKey> keys;
+  for (int64_t i = 0; i < space.sample_count(); ++i)
+    keys.push_back(frame_key(base, scene, space.position_of(space.index_from_flat(i)), trace_options(scene)));
+  return keys;
+}
+
+InferenceOptions inference_options(const Scene& scene, int supersampling) {
+  InferenceOptions options;
+  options.width = scene.settings.width;
+  options.height = scene.settings.height;
+  options.supersampling = supersampling;
+  return options;
+}
+
+std::optional<Inference> find_inference(const Scene& scene, const Store& store, int supersampling, Progress& progress) {
+  const std::vector<StoreKey> keys = frame_keys(scene);
+  for (const StoreKey& key : keys)
+    if (!store.has_frame(key)) return std::nullopt;
+  return infer(scene, keys, store, supersampling, progress);
+}
+
+CompileReport compile_scene(const Scene& scene, const CompileOptions& options, Progress& progress) {
+  const auto start = std::chrono::steady_clock::now();
+  if (scene.axes.empty()) throw InputError(scene.file.string(), "there is no [[axis]]", "add one (vitrine new shows how), or use vitrine render");
+  const Profile profile = load_profile(options.profile.empty() ? scene.settings.profile : options.profile);
+  const std::string storage = options.storage.empty() ? scene.settings.storage : options.storage;
+  const uint64_t bytes = storage_bytes(storage, scene, options.storage.empty() ? scene.file.string() : "--storage");
+  const Store store(options.work);
+
+  const std::vector<StoreKey> keys = frame_keys(scene);
+  CompileReport report;
+  report.frames = static_cast<int64_t>(keys.size());
+  report.raw_bytes = static_cast<uint64_t>(3) * scene.settings.width * scene.settings.height * keys.size();
+  report.frames_rendered = render_missing(scene, keys, store, progress);
+
+  const Inference inference = infer(scene, keys, store, profile.supersampling, progress);
+
+  const std::filesystem::path finished = options.work / "images" / (image_key(scene, inference, profile, bytes).hex() + ".vit");
+  std::vector<std::byte> image;
+  if (std::filesystem::exists(finished)) {
+    image = read_file(finished);
+  } else {
+    image = build_to_size(scene, inference, store, profile, bytes, progress);
+    std::filesystem::create_directories(finished.parent_path());
+    write_image(finished, image);
+  }
+  write_image(options.image, image);
+  report.bytes = image.size();
+  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  return report;
+}
+
+}  // namespace vitrine

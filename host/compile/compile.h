@@ -1,0 +1,50 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// The way of the data, wired: scene -> trace -> frames -> infer -> encode -> plan -> link. The only place that knows all
+// stages. Every stage's product goes to the content-addressed store before the next one reads it, so a compile that was
+// killed goes on where it was, and one that has nothing new to do only copies.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "host/base/progress.h"
+#include "host/frames/store.h"
+#include "host/infer/inference.h"
+#include "host/scene/scene.h"
+
+namespace vitrine {
+
+struct CompileOptions {
+  std::filesystem::path image;   // written atomically
+  std::filesystem::path work;    // the store
+  std::string profile;           // empty: the scene's
+  std::string storage;           // empty: the scene's; "150 KB/block", "384:1" or "12 MB"
+};
+
+struct CompileReport {
+  uint64_t bytes = 0, raw_bytes = 0;       // raw: 24-bit RGB of all grid samples
+  int64_t frames = 0, frames_rendered = 0; // rendered: those that the store had not
+  double seconds = 0;
+};
+
+// Writes options.image. Throws InputError or Interrupted; then the image is untouched.
+CompileReport compile_scene(const Scene& scene, const CompileOptions& options, Progress& progress);
+
+// The parts that verification shares.
+TraceOptions trace_options(const Scene& scene);
+std::vector<StoreKey> frame_keys(const Scene& scene);
+InferenceOptions inference_options(const Scene& scene, int supersampling);
+
+// The inferred textures of a scene that was compiled with this store, or nothing where the store lacks its frames.
+std::optional<Inference> find_inference(const Scene& scene, const Store& store, int supersampling, Progress& progress);
+
+// Bytes of the whole image that a storage setting asks for. Throws InputError (named `source`) for one that says nothing.
+// "N:1": raw bytes / N. "X KB/block": X times the number of 8-sample blocks of the grid. "X KB", "X MB": itself.
+uint64_t storage_bytes(const std::string& storage, const Scene& scene, const std::string& source);
+
+}  // namespace vitrine

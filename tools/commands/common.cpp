@@ -1,0 +1,26 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include <tbb/global_control.h>
+
+#include <cstdlib>
+#include <string>
+
+#include "host/base/terminal_progress.h"
+#include "tools/commands/commands.h"
+
+namespace vitrine {
+
+void add_common_options(CLI::App& command, CommonOptions& options) {
+  command.add_flag("--quiet", options.quiet, "No progress");
+  command.add_flag("--json", options.json, "One JSON object on standard output and nothing else there");
+  command.add_option("--jobs", options.jobs, "Threads (default: all cores); the result does not depend on it")->check(CLI::Range(1, 1024));
+}
+
+std::unique_ptr<Progress> make_progress(const CommonOptions& options) { return make_terminal_progress(options.quiet); }
+
+std::shared_ptr<void> limit_jobs(const CommonOptions& options) {
+  if (options.jobs <= 0) return nullptr;
+  setenv("LP_NUM_THREADS", std::to_string(options.jobs).c_str(), 0);  // Mesa's rasterizer
+  return std::make_shared<tbb::global_control>(tbb::global_control::max_allowed_parallelism, static_cast<size_t>(options.jobs));
+}
+
+}  // namespace vitrine

@@ -1,0 +1,101 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+
+#include <nlohmann/json.hpp>
+
+#include "formats/image.h"
+#include "hal/storage.h"
+#include "host/base/error.h"
+#include "tools/commands/commands.h"
+#include "tools/commands/inspect_report.h"
+
+namespace vitrine {
+namespace {
+
+const char* kind_name(fb::AxisKind kind) {
+  return kind == fb::AxisKind::linear ? "linear" : kind == fb::AxisKind::periodic ? "periodic" : "discrete";
+}
+
+uint64_t field_bytes(const ImageView& image, const fb::Field& field) {
+  return image.section(field.nodes()).size() + image.section(field.contexts()).size() + 8 * static_cast<uint64_t>(field.node_bytes()->size());
+}
+
+nlohmann::json object_json(const ImageView& image, const fb::Object& object) {
+  nlohmann::json layers = nlohmann::json::array();
+  uint64_t bytes = image.section(object.vertices()).size() + image.section(object.indices()).size();
+  for (const fb::Field* field : *object.fields()) {
+    const FieldShape shape = image.shape_of(*field);
+    nlohmann::json cells = nlohmann::json::array();
+    for (int level = 0; level < shape.pyramid.level_count; ++level) {
+      std::string cell;
+      for (int axis = 0; axis < shape.space.axis_count; ++axis) cell += (axis ? "x" : "") + std::to_string(shape.pyramid.cell[level][axis]);
+      cells.push_back(cell.empty() ? "1" : cell);
+    }
+    layers.push_back({{"name", field->layer()->str()}, {"bytes", field_bytes(image, *field)}, {"samples", shape.space.sample_count()},
+                      {"blocks", shape.block_count()}, {"levels", cells}});
+    bytes += field_bytes(image, *field);
+  }
+  return {{"name", object.name()->str()}, {"representation", fb::EnumNameRepresentation(object.representation())}, {"layers", layers},
+          {"bytes", bytes}, {"texture", {object.texture_width(), object.texture_height()}}, {"triangles", object.index_count() / 3}};
+}
+
+nlohmann::json image_json(const ImageView& image) {
+  const fb::Image& directory = image.directory();
+  nlohmann::json axes = nlohmann::json::array(), objects = nlohmann::json::array();
+  for (const fb::Axis* axis : *directory.axes())
+    axes.push_back({{"name", axis->name()->str()}, {"kind", kind_name(axis->kind())}, {"samples", axis->samples()}, {"max_speed", axis->max_speed()}});
+  for (const fb::Object* object : *directory.objects()) objects.push_back(object_json(image, *object));
+  const fb::Plan& plan = *directory.plan();
+  return {{"version", image.version()}, {"bytes", image.file_bytes()}, {"resolution", {directory.width(), directory.height()}},
+          {"supersampling", directory.supersampling()}, {"interpolate", directory.interpolate()}, {"axes", axes}, {"objects", objects},
+          {"plan", {{"units_budget", plan.units_budget()}, {"units_worst", plan.units_worst()}, {"upload_worst", plan.upload_worst()},
+                    {"cache_bytes", plan.cache_bytes()}, {"settle_frames", plan.settle_frames()}, {"horizon_frames", plan.horizon_frames()}}}};
+}
+
+void print_text(const nlohmann::json& report) {
+  fmt::print("version {}, {} bytes, {} x {} pixels\n", report["version"].get<int>(), report["bytes"].get<uint64_t>(),
+             report["resolution"][0].get<int>(), report["resolution"][1].get<int>());
+  for (const auto& axis : report["axes"])
+    fmt::print("axis    {:16} {:9} {:4} samples, {} a frame at most\n", axis["name"].get<std::string>(), axis["kind"].get<std::string>(),
+               axis["samples"].get<int>(), axis["max_speed"].get<double>());
+  for (const auto& object : report["objects"]) {
+    fmt::print("object  {:16} {:9} {:6} triangles, {} x {} texels, {} bytes\n", object["name"].get<std::string>(), object["representation"].get<std::string>(),
+               object["triangles"].get<int>(), object["texture"][0].get<int>(), object["texture"][1].get<int>(), object["bytes"].get<uint64_t>());
+    for (const auto& layer : object["layers"])
+      fmt::print("  layer {:16} {} samples in {} blocks, levels {}, {} bytes\n", layer["name"].get<std::string>(), layer["samples"].get<int>(),
+                 layer["blocks"].get<int>(), layer["levels"].dump(), layer["bytes"].get<uint64_t>());
+  }
+  const auto& plan = report["plan"];
+  fmt::print("plan    {} units a frame of {}, cache {} bytes, upload {} bytes a frame, horizon {} frames, settles in {} frames\n",
+             plan["units_worst"].get<uint64_t>(), plan["units_budget"].get<uint64_t>(), plan["cache_bytes"].get<uint64_t>(),
+             plan["upload_worst"].get<uint64_t>(), plan["horizon_frames"].get<int>(), plan["settle_frames"].get<int>());
+}
+
+}  // namespace
+
+void add_inspect_command(CLI::App& app) {
+  struct Options {
+    std::string image, report;
+    CommonOptions common;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("inspect", "Print what an image holds");
+  command->add_option("IMAGE", options->image, "Image (.vit)")->required();
+  command->add_option("--report", options->report, "Also write an HTML page: bytes by object, layer and level");
+  add_common_options(*command, options->common);
+  command->footer("Example: vitrine inspect lamp.vit --json");
+  command->callback([options] {
+    auto file = hal::MappedFile::open(options->image.c_str());
+    if (!file.ok()) throw InputError(options->image, file.status().detail(), "name an image that vitrine compile wrote");
+    const auto image = ImageView::open(file.value().bytes());
+    if (!image.ok()) throw InputError(options->image, image.status().detail(), "compile it again");
+    const nlohmann::json report = image_json(image.value());
+    if (!options->report.empty()) write_inspect_report(options->report, options->image, image.value(), report);
+    if (options->common.json)
+      fmt::print("{}\n", report.dump());
+    else
+      print_text(report);
+  });
+}
+
+}  // namespace vitrine

@@ -1,0 +1,68 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "tools/commands/inspect_report.h"
+
+#include <fmt/format.h>
+
+#include <span>
+#include <vector>
+
+#include "hal/storage.h"
+#include "host/base/error.h"
+
+namespace vitrine {
+namespace {
+
+constexpr const char* kStyle =
+    "body{font:14px/1.5 sans-serif;max-width:60em;margin:2em auto;color:#222}table{border-collapse:collapse;width:100%}"
+    "td,th{padding:.2em .6em;text-align:left;border-bottom:1px solid #ddd}td.n{text-align:right;font-variant-numeric:tabular-nums}"
+    ".bar{background:#3b7ea1;height:.8em;min-width:1px}";
+
+std::string escaped(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    if (c == '<') result += "&lt;";
+    else if (c == '&') result += "&amp;";
+    else if (c == '"') result += "&quot;";
+    else result += c;
+  }
+  return result;
+}
+
+std::vector<uint64_t> bytes_of_levels(const ImageView& image, const fb::Field& field) {
+  const FieldShape shape = image.shape_of(field);
+  std::vector<uint64_t> bytes(shape.pyramid.level_count, 0);
+  for (int node = 0; node < shape.node_count(); ++node) bytes[shape.level_of(node)] += field.node_bytes()->Get(node);
+  return bytes;
+}
+
+void add_row(std::string& html, const std::string& what, uint64_t bytes, uint64_t all) {
+  html += fmt::format("<tr><td>{}</td><td class=n>{}</td><td style=\"width:50%\"><div class=bar style=\"width:{:.2f}%\"></div></td></tr>\n",
+                      escaped(what), bytes, 100.0 * static_cast<double>(bytes) / static_cast<double>(all));
+}
+
+}  // namespace
+
+void write_inspect_report(const std::filesystem::path& file, const std::string& image_name, const ImageView& image, const nlohmann::json& summary) {
+  std::string html = fmt::format("<!doctype html><meta charset=utf-8><title>{0}</title><style>{1}</style><h1>{0}</h1>\n", escaped(image_name), kStyle);
+  html += fmt::format("<p>Version {}, {} bytes, {} x {} pixels.</p><h2>Axes</h2><table><tr><th>axis<th>kind<th>samples<th>samples a frame at most</tr>\n",
+                      image.version(), image.file_bytes(), image.directory().width(), image.directory().height());
+  for (const auto& axis : summary["axes"])
+    html += fmt::format("<tr><td>{}<td>{}<td class=n>{}<td class=n>{}</tr>\n", escaped(axis["name"].get<std::string>()), axis["kind"].get<std::string>(),
+                        axis["samples"].get<int>(), axis["max_speed"].get<double>());
+  html += "</table><h2>Plan</h2><table>\n";
+  for (const auto& [key, value] : summary["plan"].items()) html += fmt::format("<tr><td>{}<td class=n>{}</tr>\n", key, value.dump());
+  html += "</table><h2>Bytes</h2><table>\n";
+  for (const fb::Object* object : *image.directory().objects()) {
+    add_row(html, object->name()->str() + " mesh", image.section(object->vertices()).size() + image.section(object->indices()).size(), image.file_bytes());
+    for (const fb::Field* field : *object->fields()) {
+      const std::vector<uint64_t> levels = bytes_of_levels(image, *field);
+      for (size_t level = 0; level < levels.size(); ++level)
+        add_row(html, fmt::format("{} {} level {}", object->name()->str(), field->layer()->str(), level), levels[level], image.file_bytes());
+    }
+  }
+  html += "</table>\n";
+  const Status status = hal::write_file_atomically(file.c_str(), std::as_bytes(std::span(html)));
+  if (!status.ok()) throw InputError(file.string(), status.detail(), "check that the folder exists and has room");
+}
+
+}  // namespace vitrine

@@ -1,0 +1,18 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "tools/commands/scene_input.h"
+
+#include <cstdio>
+
+namespace vitrine {
+
+std::unique_ptr<const Scene> load_scene_with(const std::string& path, const CommonOptions& options, const std::function<void(Scene&)>& adjust) {
+  std::unique_ptr<Scene> scene = load_scene(path);
+  adjust(*scene);
+  if (!options.quiet)
+    for (const std::string& warning : scene->warnings) std::fprintf(stderr, "vitrine: warning: %s\n", warning.c_str());
+  return scene;
+}
+
+std::filesystem::path default_work_folder(const std::string& image) { return std::filesystem::path(image).replace_extension(".work"); }
+
+}  // namespace vitrine
