@@ -19,15 +19,23 @@ namespace vitrine::hal {
 
 enum class TextureFormat : uint8_t { kRgba8, kRgba16f, kRgba32f };
 enum class TextureFilter : uint8_t { kNearest, kBilinear, kTrilinear };  // trilinear: linear in and between MIP levels
-enum class Cull : uint8_t { kNone, kBack };                              // front faces wind counter-clockwise
+enum class Cull : uint8_t { kNone, kBack, kFront };                      // front faces wind counter-clockwise
 
 int bytes_per_texel(TextureFormat format);
 
 // Handles; id 0 is none. A handle of a destroyed object is refused (ids are never used again).
-struct Texture { uint32_t id = 0; };
-struct Mesh { uint32_t id = 0; };
-struct Program { uint32_t id = 0; };
-struct Target { uint32_t id = 0; };  // id 0: the context's own framebuffer
+struct Texture {
+  uint32_t id = 0;
+};
+struct Mesh {
+  uint32_t id = 0;
+};
+struct Program {
+  uint32_t id = 0;
+};
+struct Target {
+  uint32_t id = 0;
+};  // id 0: the context's own framebuffer
 
 struct TextureDesc {
   int width = 0, height = 0;  // texels of level 0; level l has max(1, floor(w / 2^l)) x max(1, floor(h / 2^l))
@@ -46,7 +54,7 @@ struct MeshDesc {
   std::span<const std::byte> vertices;  // copied
   int stride = 0;                       // bytes
   std::span<const VertexAttribute> attributes;
-  std::span<const uint32_t> indices;    // triangles, copied; every index < vertices.size() / stride
+  std::span<const uint32_t> indices;  // triangles, copied; every index < vertices.size() / stride
 };
 
 struct ProgramDesc {
@@ -82,8 +90,8 @@ struct Draw {
 };
 
 struct DeviceInfo {
-  const char* renderer = "";  // as the driver names itself
-  bool float_targets = false; // kRgba32f can be rendered to
+  const char* renderer = "";   // as the driver names itself
+  bool float_targets = false;  // kRgba32f can be rendered to
   int max_texture_size = 0;
 };
 
@@ -95,7 +103,8 @@ class Gpu {
   virtual Result<Texture> create_texture(const TextureDesc& desc) = 0;  // contents undefined
   // Replaces a rectangle of one level. `texels`: width * height texels of the texture's own format, rows bottom (v = 0)
   // first, tightly packed.
-  virtual Status update_texture(Texture texture, int level, int x, int y, int width, int height, std::span<const std::byte> texels) = 0;
+  virtual Status update_texture(Texture texture, int level, int x, int y, int width, int height,
+                                std::span<const std::byte> texels) = 0;
   virtual Result<Mesh> create_mesh(const MeshDesc& desc) = 0;
   virtual Result<Program> create_program(const ProgramDesc& desc) = 0;  // the driver's log goes to stderr where it fails
   virtual Result<Target> create_target(const TargetDesc& desc) = 0;
@@ -111,8 +120,8 @@ class Gpu {
 
   // Rows bottom first, in `format` (kRgba8 or kRgba32f, whatever the target's own is).
   virtual Status read_pixels(Target target, TextureFormat format, std::span<std::byte> pixels) = 0;
-  virtual Status present() = 0;  // shows the context's own framebuffer, waits as its swap interval says
-  virtual int width() const = 0;   // of the context's own framebuffer, now
+  virtual Status present() = 0;   // shows the context's own framebuffer, waits as its swap interval says
+  virtual int width() const = 0;  // of the context's own framebuffer, now
   virtual int height() const = 0;
 };
 

@@ -26,24 +26,29 @@ namespace vitrine {
 
 struct EngineStats {
   int64_t frames = 0;
-  int64_t late_nodes = 0;       // nodes that a shown sample needed and that were not decoded when it was drawn (jumps excepted: see settling)
+  int64_t late_nodes =
+      0;  // nodes that a shown sample needed and that were not decoded when it was drawn (jumps excepted: see settling)
   int64_t overruns = 0;         // frames whose decoding went beyond the units of the plan
   int64_t settling_frames = 0;  // frames drawn coarse while settling after a jump (the first frame, or motion beyond max_speed)
   uint64_t units_max = 0, units_sum = 0, units_last = 0;
   uint64_t upload_bytes_max = 0, upload_bytes_last = 0;
-  size_t cache_bytes = 0;       // the decoded nodes' part of the block
+  int64_t damaged_nodes = 0;  // whose bytes did not decode: the picture goes without them
+  size_t cache_bytes = 0;     // the decoded nodes' part of the block
 };
 
 struct EngineOptions {
-  bool unlimited = false;       // decode everything that is shown at once, whatever the budget (stills, verification)
+  bool unlimited = false;  // decode everything that is shown at once, whatever the budget (stills, verification)
 };
 
 class Engine {
  public:
+  // What the image needs beside small tables. A caller on a small device compares it with what it has: an image may ask for
+  // as much as limits::kEngineBytes and, where its tops of pyramids are many, more.
   static size_t required_bytes(const ImageView& image);
   // `block`: at least required_bytes, 64-byte aligned, stays the caller's and in place. Creates all GPU objects.
-  static Result<std::unique_ptr<Engine>> load(const ImageView& image, hal::Gpu& gpu, std::span<std::byte> block, const EngineOptions& options = {});
-  ~Engine();
+  static Result<std::unique_ptr<Engine>> load(const ImageView& image, hal::Gpu& gpu, std::span<std::byte> block,
+                                              const EngineOptions& options = {});
+  ~Engine();  // destroys all GPU objects
 
   // Decodes, composes and draws the picture at `position` into `output` (id 0: the screen). Allocates nothing.
   Status frame(const Position& position, hal::Target output);
@@ -51,8 +56,8 @@ class Engine {
 
  private:
   struct State;
-  explicit Engine(State* state) : state_(state) {}
-  State* state_;
+  explicit Engine(std::unique_ptr<State> state);
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace vitrine

@@ -13,14 +13,18 @@
 namespace vitrine {
 
 struct MipTaps {
-  int first = 0;                    // source index of weight[0]
-  int count = 1;                    // 1..3
+  int first = 0;                         // source index of weight[0]
+  int count = 1;                         // 1..3
   std::array<float, 3> weight{1, 0, 0};  // sums to 1
 };
 
 // Taps along one dimension: source size `size` (> 1 unless it is already 1), destination index x.
 MipTaps mip_taps(int size, int x);
-int mip_size(int size);                       // max(1, floor(size / 2))
-int mip_level_count(int width, int height);   // down to 1 x 1
+int mip_size(int size);                      // max(1, floor(size / 2))
+int mip_level_count(int width, int height);  // down to 1 x 1
+
+// One level from the next finer one of width x height: mip_size(width) * mip_size(height) values. Each is the taps' sum along
+// x for each source row, lowest index first, and then the taps' sum of those along y: the same floats on every machine.
+void decimate(const float* finer, int width, int height, float* coarser);
 
 }  // namespace vitrine

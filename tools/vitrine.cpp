@@ -5,7 +5,7 @@
 #include <exception>
 
 #include "host/base/error.h"
-#include "host/base/terminal_progress.h"
+#include "host/base/interrupt.h"
 #include "tools/commands/commands.h"
 
 namespace {

@@ -58,13 +58,15 @@ CodedPlanes coded_planes(const LayeredImage& texture) {
   return planes;
 }
 
-FieldSource field_source(const Scene& scene, const Inference& inference, const Field& field, const Store& store) {
+FieldSource field_source(const Scene& scene, const Inference& inference, int number, const Store& store) {
+  const Field& field = inference.fields[number];
   const DrawnObject& object = inference.objects[field.drawn_object];
   FieldSource source;
   source.space = field.space;
   source.width = object.texture_width;
   source.height = object.texture_height;
   source.importance = field.importance;
+  source.stagger = stagger_of(number, static_cast<int>(inference.fields.size()), field.space, block_size_of(field.space));
   source.samples_shown = static_cast<double>(scene.space().sample_count()) / static_cast<double>(field.space.sample_count());
   source.load = [&store, &field](int64_t sample) {
     const auto texture = store.load_planes(field.textures[sample]);
@@ -119,12 +121,12 @@ std::vector<std::byte> read_file(const std::filesystem::path& path) {
 std::vector<std::byte> build_image(const Scene& scene, const Inference& inference, const Store& store, const Profile& profile,
                                    uint64_t field_bytes, Progress& progress) {
   std::vector<FieldSource> sources;
-  for (const Field& field : inference.fields) sources.push_back(field_source(scene, inference, field, store));
+  for (size_t f = 0; f < inference.fields.size(); ++f) sources.push_back(field_source(scene, inference, static_cast<int>(f), store));
   const std::vector<EncodedField> encoded = encode_fields(sources, {.target_bytes = field_bytes}, progress);
 
   std::vector<PlannedField> planned;
   for (size_t f = 0; f < encoded.size(); ++f)
-    planned.push_back({inference.fields[f].axes, &encoded[f], sources[f].width, sources[f].height});
+    planned.push_back({inference.fields[f].axes, &encoded[f], sources[f].width, sources[f].height, inference.fields[f].drawn_object});
   std::vector<float> speeds;
   for (const Axis& axis : scene.axes) speeds.push_back(axis.max_speed);
 

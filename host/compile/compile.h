@@ -30,6 +30,7 @@ struct CompileReport {
   uint64_t bytes = 0, raw_bytes = 0;       // raw: 24-bit RGB of all grid samples
   int64_t frames = 0, frames_rendered = 0; // rendered: those that the store had not
   double seconds = 0;
+  std::vector<std::string> warnings;       // one line each: what the profile does not provide for, ...
 };
 
 // Writes options.image. Throws InputError or Interrupted; then the image is untouched.

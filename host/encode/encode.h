@@ -13,33 +13,40 @@
 
 namespace vitrine {
 
+// The sizes of a field's blocks: per axis kMaxBlockSize, or the least power of two that holds all samples.
+AxisSizes block_size_of(const ParameterSpace& space);
+
 // One texture of a field as companded codes in Y, Co, Cg: 3 planes of width * height.
 using CodedPlanes = std::vector<int16_t>;
 
 struct FieldSource {
-  ParameterSpace space;                 // restricted to the field's axes
+  ParameterSpace space;  // restricted to the field's axes
   int width = 0, height = 0;
-  std::vector<float> importance;        // per texel, screen pixels per texel (may hold zeros: texels that are never seen)
-  double samples_shown = 1;             // grid samples of the whole space that one texture of this field serves
+  std::vector<float> importance;             // per texel, screen pixels per texel (may hold zeros: texels that are never seen)
+  AxisSizes stagger{};                       // of its blocks: 0..block size - 1 per axis (host/plan chooses it)
+  double samples_shown = 1;                  // grid samples of the whole space that one texture of this field serves
   std::function<CodedPlanes(int64_t)> load;  // texture of a flat field sample; called from several threads
 };
 
 struct EncodedField {
   FieldShape shape;
-  std::vector<uint16_t> level_steps;    // 3 per level: Y, Co, Cg
-  std::vector<uint8_t> contexts;        // initial states, one set per level
-  std::vector<uint8_t> nodes;           // all coded nodes in node order
-  std::vector<uint32_t> node_bytes, node_units;  // per node
-  double squared_error = 0;             // sum over leaves and texels of importance-weighted squared code error
+  std::vector<uint16_t> level_steps;             // 3 per level: Y, Co, Cg, in 1/8 code
+  std::vector<uint8_t> contexts;                 // initial states, kContextBytesPerLevel per level
+  std::vector<uint8_t> nodes;                    // all coded nodes in node order
+  std::vector<uint32_t> node_bytes, node_units;  // per node; both 0 for cells off the grid
+  double squared_error = 0;  // sum over leaves and texels of importance * mean squared error of the R, G, B codes
   uint64_t bytes() const { return nodes.size() + contexts.size() + 8 * node_bytes.size(); }
 };
 
 struct EncodeOptions {
-  uint64_t target_bytes = 0;            // of all fields together (nodes, contexts, node tables); met from below, within 1 % where the signal needs that much
-  double quantizer = 0;                 // > 0: this base step instead of a target
+  uint64_t target_bytes =
+      0;  // of all fields together (EncodedField::bytes); met from below, within 1 % where the signal needs that much
+  double quantizer =
+      0;  // > 0: this base step instead of a target: in codes, for luma of a texel of importance 1 shown by one sample
 };
 
-// The result depends on the inputs alone, not on the number of threads.
+// The result depends on the inputs alone, not on the number of threads. Throws InputError when the node tables alone are
+// larger than the target, and what `load` and `progress` throw.
 std::vector<EncodedField> encode_fields(const std::vector<FieldSource>& fields, const EncodeOptions& options, Progress& progress);
 
 }  // namespace vitrine

@@ -51,9 +51,15 @@ StoreKey frame_key(const StoreKey& scene_key, const Scene& scene, const Position
 // Planes of half floats with names, all of one size: what inference stores.
 struct LayeredImage {
   int width = 0, height = 0;
-  struct Plane { std::string name; std::vector<float> values; };  // rows top first
+  struct Plane {
+    std::string name;
+    std::vector<float> values;
+  };  // rows top first
   std::vector<Plane> planes;
 };
+
+// The OpenEXR file that save_frame writes.
+std::string exr_of_frame(const Scene& scene, const Frame& frame);
 
 class Store {
  public:

@@ -11,10 +11,9 @@
 #pragma once
 
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <string>
 #include <vector>
-
-#include <glm/vec3.hpp>
 
 #include "formats/image.h"
 #include "formats/parameter_space.h"
@@ -27,39 +26,44 @@ namespace vitrine {
 
 // An object as the target draws it: its mesh with the texture coordinates of its own texture domain.
 struct DrawnObject {
-  int object = 0;                        // index into Scene::objects
-  std::vector<MeshVertex> vertices;      // node space
+  int object = 0;                    // index into Scene::objects
+  std::vector<MeshVertex> vertices;  // node space
   std::vector<uint32_t> indices;
-  uint32_t culled_index_count = 0;       // the first of them are single-sided
+  uint32_t culled_index_count = 0;  // the first of them are single-sided
   int texture_width = 0, texture_height = 0;
 };
 
 // One layer of one object over the axes on which it depends.
 struct Field {
-  int drawn_object = 0;                  // index into Inference::objects
-  std::string layer;                     // "diffuse", "specular"
+  int drawn_object = 0;  // index into Inference::objects
+  std::string layer;     // "diffuse", "specular"
   AxisMask axes = 0;
-  ParameterSpace space;                  // the scene's, restricted to `axes`
-  std::vector<StoreKey> textures;        // per sample of `space` (flat): planes "R", "G", "B": linear radiance; row 0 is v = 0
-  std::vector<float> importance;         // per texel of the finest level: screen pixels that it feeds, mean over all frames
+  ParameterSpace space;            // the scene's, restricted to `axes`
+  std::vector<StoreKey> textures;  // per sample of `space` (flat): planes "R", "G", "B": linear radiance; row 0 is v = 0
+  std::vector<float> importance;   // per texel of the finest level: screen pixels that it feeds, mean over all frames
 };
 
 struct Inference {
-  std::vector<DrawnObject> objects;      // only those that some frame shows
-  std::vector<Field> fields;             // only layers that carry light
+  std::vector<DrawnObject> objects;   // only those that some frame shows
+  std::vector<Field> fields;          // only layers that carry light
+  std::vector<std::string> warnings;  // one line each: views left out for want of memory, ...
 };
 
 struct InferenceOptions {
   int width = 640, height = 480, supersampling = 2;
-  float regularization = 0.02f;          // e_f
-  int iterations = 40;                   // of conjugate gradients, at most
-  float texels_per_pixel = 1.0f;         // of the texture domain at the finest level
+  float regularization = 0.02f;   // e_f
+  int iterations = 40;            // of conjugate gradients, at most
+  float texels_per_pixel = 1.0f;  // of the texture domain at the finest level
   int max_texture_size = 1024;
+  // Rendering matrices held at once. Where all views need more, layers that do not depend on the view are solved over every
+  // n-th of them only, and Inference::warnings says so.
+  size_t max_matrix_bytes = size_t{8} << 30;
 };
 
 // `frames`: keys of all grid samples, flat order; all are in the store. `gpu`: a device with float targets. Results go to the
 // store texture by texture and are taken from there when they are found, so an interrupted run resumes; the result does not
 // depend on how often it was interrupted nor on the number of threads.
-Inference infer_textures(const Scene& scene, const std::vector<StoreKey>& frames, const Store& store, hal::Gpu& gpu, const InferenceOptions& options, Progress& progress);
+Inference infer_textures(const Scene& scene, const std::vector<StoreKey>& frames, const Store& store, hal::Gpu& gpu,
+                         const InferenceOptions& options, Progress& progress);
 
 }  // namespace vitrine

@@ -7,15 +7,14 @@
 #include <array>
 #include <cstdint>
 #include <filesystem>
-#include <memory>
-#include <string>
-#include <vector>
-
 #include <glm/mat3x3.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
+#include <memory>
+#include <string>
+#include <vector>
 
 #include "formats/parameter_space.h"
 #include "formats/rig.h"
@@ -32,10 +31,10 @@ struct Image {
 enum class Wrap : uint8_t { kRepeat, kMirror, kClamp };
 
 struct TextureRef {
-  int image = -1;        // -1: none, the factor alone counts
-  int texcoord = 0;      // set 0 or 1
+  int image = -1;    // -1: none, the factor alone counts
+  int texcoord = 0;  // set 0 or 1
   Wrap wrap_s = Wrap::kRepeat, wrap_t = Wrap::kRepeat;
-  bool nearest = false;  // magnification filter
+  bool nearest = false;    // magnification filter
   glm::mat3 transform{1};  // KHR_texture_transform, on (u, v, 1)
   explicit operator bool() const { return image >= 0; }
 };
@@ -51,25 +50,25 @@ struct Material {
   TextureRef metallic_roughness_texture;  // B metallic, G roughness
   TextureRef normal_texture;
   float normal_scale = 1;
-  glm::vec3 emissive{0};          // radiance: factor times emissive_strength
-  TextureRef emissive_texture;    // sRGB
+  glm::vec3 emissive{0};        // radiance: factor times emissive_strength
+  TextureRef emissive_texture;  // sRGB
   AlphaMode alpha_mode = AlphaMode::kOpaque;
   float alpha_cutoff = 0.5f;
   bool double_sided = false;
-  bool unlit = false;             // radiance is base colour, seen directly; black to light transport otherwise
-  float ior = 1.5f;               // 0 means infinite (glTF: specular workflow)
-  float specular = 1;             // KHR_materials_specular
-  TextureRef specular_texture;    // A
+  bool unlit = false;           // radiance is base colour, seen directly; black to light transport otherwise
+  float ior = 1.5f;             // 0 means infinite (glTF: specular workflow)
+  float specular = 1;           // KHR_materials_specular
+  TextureRef specular_texture;  // A
   glm::vec3 specular_color{1};
   TextureRef specular_color_texture;  // sRGB
   float transmission = 0;
-  TextureRef transmission_texture;    // R
-  float thickness = 0;            // 0: thin-walled
-  TextureRef thickness_texture;   // G
+  TextureRef transmission_texture;  // R
+  float thickness = 0;              // 0: thin-walled
+  TextureRef thickness_texture;     // G
   glm::vec3 attenuation_color{1};
-  float attenuation_distance = 0; // metres; 0 means infinite
+  float attenuation_distance = 0;  // metres; 0 means infinite
   float clearcoat = 0;
-  TextureRef clearcoat_texture;   // R
+  TextureRef clearcoat_texture;  // R
   float clearcoat_roughness = 0;
   TextureRef clearcoat_roughness_texture;  // G
   TextureRef clearcoat_normal_texture;
@@ -79,18 +78,18 @@ struct Material {
 // are always there (flat where the file has none).
 struct Geometry {
   std::vector<glm::vec3> positions, normals;
-  std::vector<glm::vec4> tangents;          // w: handedness; filled wherever a normal texture needs it
+  std::vector<glm::vec4> tangents;  // w: handedness; filled wherever a normal texture needs it
   std::array<std::vector<glm::vec2>, 2> texcoords;
   std::vector<glm::vec4> colors;
-  std::vector<uint32_t> indices;            // 3 per triangle
-  std::vector<int> triangle_materials;      // index into Scene::materials, one per triangle
+  std::vector<uint32_t> indices;        // 3 per triangle
+  std::vector<int> triangle_materials;  // index into Scene::materials, one per triangle
 };
 
 // One segment of the picture: a glTF node with a mesh (all its primitives together). Skins and morph targets are applied in
 // their rest state.
 struct Object {
-  std::string name;       // unique; node name, or mesh name, or "object-N"
-  int node = 0;           // rig node
+  std::string name;  // unique; node name, or mesh name, or "object-N"
+  int node = 0;      // rig node
   Geometry geometry;
   std::string representation = "texture";
   float resolution_scale = 1;
@@ -111,7 +110,7 @@ struct Light {
   int node = 0;
   LightKind kind = LightKind::kPoint;
   glm::vec3 intensity{1};
-  float range = 0;              // metres; 0 is infinite
+  float range = 0;  // metres; 0 is infinite
   float inner_cone = 0, outer_cone = 0.785398f;
   int emission_axis = -1;
   std::vector<float> emission_of_value;
@@ -119,9 +118,9 @@ struct Light {
 
 struct Environment {
   // Lat-long radiance, row 0 up, in OpenEXR's convention (centre column +Z, +X to its left, +Y up). A constant is 1 x 1.
-  int width = 0, height = 0;    // 0: no environment, black
+  int width = 0, height = 0;  // 0: no environment, black
   std::vector<glm::vec3> radiance;
-  float rotation = 0;           // radians about +Y
+  float rotation = 0;  // radians about +Y
   // Radiance from direction d (unit, from the scene outwards), bilinear.
   glm::vec3 lookup(const glm::vec3& direction) const;
 };
@@ -129,25 +128,25 @@ struct Environment {
 struct Axis {
   std::string name;
   AxisShape shape;
-  float max_speed = 0.25f;      // grid samples per frame
+  float max_speed = 0.25f;               // grid samples per frame
   std::vector<std::string> value_names;  // discrete axes: names of the values, for reports
 };
 
 struct Settings {
   int width = 640, height = 480;
   int samples_per_pixel = 64;
-  bool interpolate = false;     // [target] interpolate: blend neighbouring samples
+  bool interpolate = false;  // [target] interpolate: blend neighbouring samples
   float exposure = 1;
   std::string profile = "kiosk-60";
   std::string storage = "100:1";  // "150 KB/block", "384:1" or "12 MB"
-  float max_radiance = 0;       // firefly clamp of one path's indirect contribution; 0: none
+  float max_radiance = 0;         // firefly clamp of one path's indirect contribution; 0: none
 };
 
 struct Scene {
-  std::string name;             // folder or file name without extension, for reports
-  std::filesystem::path file;   // scene.toml (or the .toml given)
+  std::string name;            // folder or file name without extension, for reports
+  std::filesystem::path file;  // scene.toml (or the .toml given)
   std::vector<RigNode> nodes;
-  std::vector<RigTrack> tracks; // spans into track_data
+  std::vector<RigTrack> tracks;  // spans into track_data
   std::vector<std::vector<float>> track_data;
   std::vector<Image> images;
   std::vector<Material> materials;
@@ -156,7 +155,13 @@ struct Scene {
   Environment environment;
   Camera camera;
   std::vector<Axis> axes;
-  int variant_axis = -1;        // the axis that chooses material variants, or -1
+  int variant_axis = -1;  // the axis that chooses material variants, or -1
+  // The backdrop: index of the object with follows_camera (always the last one), or -1 where nothing is behind the scene.
+  // Its radiance in direction d is environment.lookup(d) or, where background_is_environment is false, background_color;
+  // it is seen and reflected by nothing: what lights the scene is the environment alone.
+  int background_object = -1;
+  bool background_is_environment = true;
+  glm::vec3 background_color{0};
   Settings settings;
   std::vector<std::string> warnings;  // one line each: unknown optional extensions, ignored primitives, ...
 
@@ -168,9 +173,9 @@ struct Scene {
 struct Pose {
   std::vector<glm::mat4> world_from_node;
   glm::mat4 world_from_camera{1};
-  int variant = -1;                     // row of Object::variant_materials, or -1
-  std::vector<float> object_emission;   // factor per object
-  std::vector<float> light_emission;    // factor per light
+  int variant = -1;                    // row of Object::variant_materials, or -1
+  std::vector<float> object_emission;  // factor per object
+  std::vector<float> light_emission;   // factor per light
 };
 Pose pose_scene(const Scene& scene, const Position& position);
 glm::mat4 world_from_object(const Scene& scene, const Pose& pose, int object);
@@ -183,6 +188,6 @@ AxisMask geometry_axes(const Scene& scene);
 AxisMask camera_axes(const Scene& scene);
 
 // Reads SCENE (a folder with scene.toml, or a .toml). Throws InputError.
-std::unique_ptr<const Scene> load_scene(const std::filesystem::path& scene);
+std::unique_ptr<Scene> load_scene(const std::filesystem::path& scene);
 
 }  // namespace vitrine

@@ -3,26 +3,26 @@
 // What the tracer makes of one grid sample.
 #pragma once
 
+#include <glm/vec3.hpp>
 #include <string>
 #include <vector>
-
-#include <glm/vec3.hpp>
 
 namespace vitrine {
 
 // One object's light in one frame, cropped to the pixels that it covers. Row 0 is the top of the picture.
 struct ObjectFrame {
-  int object = 0;                         // index into Scene::objects
+  int object = 0;                           // index into Scene::objects
   int x = 0, y = 0, width = 0, height = 0;  // data window; 0 x 0 where the object is not seen
-  std::vector<float> coverage;            // filtered with the pixel filter, [0, 1]
-  std::vector<glm::vec3> diffuse;         // radiance of first diffuse hits (and of view-independent emission), divided by coverage; 0 where coverage is 0
-  std::vector<glm::vec3> specular;        // all else, divided by coverage
+  std::vector<float> coverage;              // filtered with the pixel filter, [0, 1]
+  // Radiance divided by coverage; 0 where coverage is 0.
+  std::vector<glm::vec3> diffuse;   // what first hits scatter diffusely, and emit
+  std::vector<glm::vec3> specular;  // all else
 };
 
 struct Frame {
   int width = 0, height = 0;
-  std::vector<glm::vec3> combined;        // filtered radiance of the whole picture = sum of coverage * (diffuse + specular)
-  std::vector<ObjectFrame> objects;       // empty when layers were not asked for
+  std::vector<glm::vec3> combined;   // filtered radiance of the whole picture = sum of coverage * (diffuse + specular)
+  std::vector<ObjectFrame> objects;  // empty when layers were not asked for
 };
 
 }  // namespace vitrine

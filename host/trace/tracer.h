@@ -17,8 +17,8 @@ namespace vitrine {
 struct TraceOptions {
   int width = 640, height = 480;
   int samples_per_pixel = 64;
-  uint32_t seed = 0;            // independent noise for different seeds
-  bool layers = true;           // fill Frame::objects
+  uint32_t seed = 0;   // independent noise for different seeds
+  bool layers = true;  // fill Frame::objects
 };
 
 class Tracer {

@@ -8,7 +8,7 @@
 
 #include "hal/backends.h"
 #include "host/base/error.h"
-#include "host/verify/inferred_picture.h"
+#include "host/infer/verification.h"
 #include "host/verify/positions.h"
 #include "host/verify/reference.h"
 #include "target/engine.h"
@@ -72,6 +72,19 @@ ObjectError object_error(const std::string& name, const std::vector<int>& pixels
   return error;
 }
 
+// What the uncoded textures of the nearest grid sample show: the loss of inference alone.
+Picture inferred_picture(const Scene& scene, const Inference& inference, const Store& store, hal::Gpu& gpu, const Position& position, int supersampling) {
+  InferenceOptions options;
+  options.width = scene.settings.width;
+  options.height = scene.settings.height;
+  options.supersampling = supersampling;
+  const ParameterSpace space = scene.space();
+  Picture picture{options.width, options.height, {}};
+  for (const glm::vec3& radiance : draw_inferred(store, scene, inference, options, gpu, space.flat_from_index(space.nearest_sample(position))))
+    for (int c = 0; c < 3; ++c) picture.rgb.push_back(srgb8_from_radiance(radiance[c] * scene.settings.exposure));
+  return picture;
+}
+
 }  // namespace
 
 double psnr_db(double mean_squared_error) {
@@ -123,7 +136,7 @@ Verification verify_image(const ImageView& image, const Scene& scene, const Stor
     for (Comparison& comparison : result.comparisons) {
       if (comparison.kind != "at") continue;
       comparison.inferred = 
-          draw_inferred(scene, *inference, store, *gpu.value(), comparison.position, static_cast<int>(image.directory().supersampling()));
+          inferred_picture(scene, *inference, store, *gpu.value(), comparison.position, static_cast<int>(image.directory().supersampling()));
       comparison.inferred_squared_error = mean_squared_error(*comparison.inferred, comparison.truth);
     }
   }

@@ -9,9 +9,8 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
-
 #include <glm/mat4x4.hpp>
+#include <span>
 
 #include "formats/image.h"
 #include "formats/status.h"
@@ -20,8 +19,8 @@
 namespace vitrine {
 
 struct DrawerDesc {
-  int width = 0, height = 0;   // output pixels
-  int supersampling = 2;       // 1..4
+  int width = 0, height = 0;                                        // output pixels
+  int supersampling = 2;                                            // 1..4
   hal::TextureFormat target_format = hal::TextureFormat::kRgba16f;  // kRgba32f for inference
 };
 
@@ -35,7 +34,10 @@ class SceneDrawer {
  public:
   static Result<SceneDrawer> create(hal::Gpu& gpu, const DrawerDesc& desc);
 
-  Result<DrawMesh> create_mesh(std::span<const MeshVertex> vertices, std::span<const uint32_t> indices, uint32_t culled_index_count);
+  void destroy();  // its programs and its target; meshes and textures are their makers'
+
+  Result<DrawMesh> create_mesh(std::span<const MeshVertex> vertices, std::span<const uint32_t> indices,
+                               uint32_t culled_index_count);
   // Linear texture with a full MIP chain down to 1 x 1, trilinear, clamped.
   Result<hal::Texture> create_texture(int width, int height, hal::TextureFormat format);
 

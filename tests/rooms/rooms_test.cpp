@@ -106,10 +106,12 @@ TEST(Rooms, target_and_formats_are_built_without_exceptions_and_rtti) {
 }
 
 TEST(Rooms, every_source_carries_the_licence) {
-  for (const char* top : {"formats", "hal", "target", "host", "tools", "tests"})
-    for (const auto& entry : fs::recursive_directory_iterator(kRoot / top))
-      if (entry.path().extension() == ".h" || entry.path().extension() == ".cpp")
-        EXPECT_NE(read(entry.path()).substr(0, 120).find("SPDX-License-Identifier: Apache-2.0"), std::string::npos) << entry.path();
+  for (const char* top : {"formats", "hal", "target", "host", "tools", "tests"}) {
+    for (const auto& entry : fs::recursive_directory_iterator(kRoot / top)) {
+      if (entry.path().extension() != ".h" && entry.path().extension() != ".cpp") continue;
+      EXPECT_NE(read(entry.path()).substr(0, 120).find("SPDX-License-Identifier: Apache-2.0"), std::string::npos) << entry.path();
+    }
+  }
 }
 
 }  // namespace

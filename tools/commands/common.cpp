@@ -4,10 +4,24 @@
 #include <cstdlib>
 #include <string>
 
+#include "host/base/interrupt.h"
 #include "host/base/terminal_progress.h"
 #include "tools/commands/commands.h"
 
 namespace vitrine {
+namespace {
+
+// Says nothing, but can be interrupted.
+class QuietProgress final : public Progress {
+ public:
+  void begin(const char*, int64_t, int64_t, const char*) override {}
+  void advance(int64_t) override {
+    if (interrupt_requested()) throw Interrupted();
+  }
+  void end() override {}
+};
+
+}  // namespace
 
 void add_common_options(CLI::App& command, CommonOptions& options) {
   command.add_flag("--quiet", options.quiet, "No progress");
@@ -15,7 +29,10 @@ void add_common_options(CLI::App& command, CommonOptions& options) {
   command.add_option("--jobs", options.jobs, "Threads (default: all cores); the result does not depend on it")->check(CLI::Range(1, 1024));
 }
 
-std::unique_ptr<Progress> make_progress(const CommonOptions& options) { return make_terminal_progress(options.quiet); }
+std::unique_ptr<Progress> make_progress(const CommonOptions& options) { 
+  if (options.quiet) return std::make_unique<QuietProgress>();
+  return std::make_unique<TerminalProgress>(stderr, can_redraw(stderr));
+ }
 
 std::shared_ptr<void> limit_jobs(const CommonOptions& options) {
   if (options.jobs <= 0) return nullptr;

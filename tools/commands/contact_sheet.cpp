@@ -38,7 +38,7 @@ void write_contact_sheet(const std::filesystem::path& file, const std::vector<Co
     paste(sheet, comparisons[row].played, width + kGap, y);
     paste(sheet, difference(comparisons[row].truth, comparisons[row].played), 2 * (width + kGap), y);
   }
-  const Status status = write_png(file.c_str(), sheet.width, sheet.height, 3, sheet.rgb.data());
+  const Status status = write_png(file.string(), sheet.width, sheet.height, sheet.rgb);
   if (!status.ok()) throw InputError(file.string(), status.detail(), "check that the folder exists and has room");
 }
 

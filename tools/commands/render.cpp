@@ -3,8 +3,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include "hal/storage.h"
 #include "host/base/error.h"
-#include "host/frames/exr.h"
+#include "host/frames/store.h"
 #include "host/trace/tracer.h"
 #include "host/verify/reference.h"
 #include "tools/axis_position.h"
@@ -44,7 +45,13 @@ void write_picture(const std::string& file, const Frame& frame, float exposure) 
   rgb.reserve(frame.combined.size() * 3);
   for (const glm::vec3& radiance : frame.combined)
     for (int c = 0; c < 3; ++c) rgb.push_back(srgb8_from_radiance(radiance[c] * exposure));
-  const Status status = write_png(file.c_str(), frame.width, frame.height, 3, rgb.data());
+  const Status status = write_png(file, frame.width, frame.height, rgb);
+  if (!status.ok()) throw InputError(file, status.detail(), "check that the folder exists and has room");
+}
+
+void write_layers(const std::string& file, const Scene& scene, const Frame& frame) {
+  const std::string exr = exr_of_frame(scene, frame);
+  const Status status = hal::write_file_atomically(file.c_str(), std::as_bytes(std::span(exr)));
   if (!status.ok()) throw InputError(file, status.detail(), "check that the folder exists and has room");
 }
 
@@ -60,14 +67,18 @@ void run(const Options& options) {
   });
   std::vector<std::string> names;
   for (const Axis& axis : scene->axes) names.push_back(axis.name);
-  const auto position = parse_position(options.at, names, scene->space());
-  if (!position.ok()) throw InputError("--at " + options.at, position.status().detail(), "write AXIS=POSITION or AXIS=#SAMPLE, separated by commas");
+  Position position;
+  try {
+    position = parse_position(options.at, names, scene->space());
+  } catch (const PositionError& error) {
+    throw CLI::ValidationError("--at", error.what());
+  }
 
   const TraceOptions trace{scene->settings.width, scene->settings.height, scene->settings.samples_per_pixel, options.seed, options.layers};
   Tracer tracer(*scene);
-  const Frame frame = tracer.render(position.value(), trace, progress.get());
+  const Frame frame = tracer.render(position, trace, progress.get());
   if (ends_with(options.output, ".exr"))
-    write_frame_exr(options.output, *scene, frame);
+    write_layers(options.output, *scene, frame);
   else
     write_picture(options.output, frame, scene->settings.exposure);
   if (options.common.json)

@@ -1,0 +1,101 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "formats/block.h"
+
+#include <algorithm>
+#include <bit>
+#include <limits>
+
+namespace vitrine {
+namespace {
+
+bool is_power_of_two(int n) { return n > 0 && std::has_single_bit(static_cast<unsigned>(n)); }
+
+int cells_per_block(const FieldShape& shape, int level) {
+  int count = 1;
+  for (int a = 0; a < shape.space.axis_count; ++a) count *= shape.block_size[a] / shape.pyramid.cell[level][a];
+  return count;
+}
+
+bool valid_axis(const FieldShape& shape, int axis) {
+  const int samples = shape.space.axes[axis].samples;
+  if (samples < 1 || samples > std::numeric_limits<int>::max() - kMaxBlockSize) return false;
+  const int block = shape.block_size[axis];
+  if (!is_power_of_two(block) || block > kMaxBlockSize || shape.stagger[axis] >= block) return false;
+  int coarser = block;
+  for (int level = 0; level < shape.pyramid.level_count; ++level) {
+    const int cell = shape.pyramid.cell[level][axis];
+    if (!is_power_of_two(cell) || cell > coarser) return false;
+    coarser = cell;
+  }
+  return coarser == 1;
+}
+
+}  // namespace
+
+bool FieldShape::valid() const {
+  if (space.axis_count < 0 || space.axis_count > kMaxAxes) return false;
+  if (pyramid.level_count < 1 || pyramid.level_count > kMaxLevels) return false;
+  for (int a = 0; a < space.axis_count; ++a)
+    if (!valid_axis(*this, a)) return false;
+  // All counts fit an int: at most 2^15 nodes a block (8 levels of 8^4 cells), so the product cannot overflow an int64
+  // before it is refused.
+  int64_t count = nodes_per_block();
+  for (int a = 0; a < space.axis_count; ++a) {
+    count *= (static_cast<int64_t>(space.axes[a].samples) + stagger[a] - 1) / block_size[a] + 1;
+    if (count > std::numeric_limits<int>::max()) return false;
+  }
+  return true;
+}
+
+int FieldShape::blocks_along(int axis) const { return (space.axes[axis].samples + stagger[axis] - 1) / block_size[axis] + 1; }
+
+int FieldShape::block_count() const {
+  int count = 1;
+  for (int a = 0; a < space.axis_count; ++a) count *= blocks_along(a);
+  return count;
+}
+
+int FieldShape::nodes_per_block() const {
+  int count = 0;
+  for (int level = 0; level < pyramid.level_count; ++level) count += cells_per_block(*this, level);
+  return count;
+}
+
+int FieldShape::node_of(const GridIndex& sample, int level) const {
+  int block = 0, cell = 0;
+  for (int a = 0; a < space.axis_count; ++a) {
+    const int shifted = sample[a] + stagger[a], size = block_size[a], width = pyramid.cell[level][a];
+    block = block * blocks_along(a) + shifted / size;
+    cell = cell * (size / width) + shifted % size / width;
+  }
+  int first = 0;
+  for (int l = 0; l < level; ++l) first += cells_per_block(*this, l);
+  return block * nodes_per_block() + first + cell;
+}
+
+int FieldShape::level_of(int node) const {
+  int rest = node % nodes_per_block(), level = 0;
+  while (rest >= cells_per_block(*this, level)) rest -= cells_per_block(*this, level++);
+  return level;
+}
+
+FieldShape::Box FieldShape::samples_of(int node) const {
+  const int level = level_of(node);
+  int block = node / nodes_per_block(), cell = node % nodes_per_block();
+  for (int l = 0; l < level; ++l) cell -= cells_per_block(*this, l);
+  Box box;
+  bool empty = false;
+  for (int a = space.axis_count - 1; a >= 0; --a) {
+    const int width = pyramid.cell[level][a], cells = block_size[a] / width, blocks = blocks_along(a);
+    const int first = block % blocks * block_size[a] + cell % cells * width - stagger[a];
+    box.first[a] = std::max(first, 0);
+    box.last[a] = std::min(first + width, space.axes[a].samples) - 1;
+    empty = empty || box.last[a] < box.first[a];
+    block /= blocks;
+    cell /= cells;
+  }
+  if (empty) box = Box{GridIndex{}, {-1, -1, -1, -1}};
+  return box;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,138 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "formats/image.h"
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+
+#include "formats/directory_checks.h"
+#include "formats/image_header.h"
+
+namespace vitrine {
+namespace {
+
+static_assert(std::endian::native == std::endian::little, "tracks and node tables are read in place");
+static_assert(static_cast<int>(fb::AxisKind::periodic) == static_cast<int>(AxisKind::kPeriodic) &&
+              static_cast<int>(fb::AxisKind::discrete) == static_cast<int>(AxisKind::kDiscrete) &&
+              static_cast<int>(fb::TrackPath::rotation) == static_cast<int>(TrackPath::kRotation) &&
+              static_cast<int>(fb::TrackPath::scale) == static_cast<int>(TrackPath::kScale) &&
+              static_cast<int>(fb::Interpolation::linear) == static_cast<int>(Interpolation::kLinear) &&
+              static_cast<int>(fb::Interpolation::cubic_spline) == static_cast<int>(Interpolation::kCubicSpline));
+
+using Bytes = std::span<const std::byte>;
+
+// Nesting in the schema is 4 deep; the count covers the limits of image.h.
+constexpr flatbuffers::uoffset_t kMaxDepth = 64;
+constexpr flatbuffers::uoffset_t kMaxTables =
+    kMaxRigNodes + limits::kRigTracks + kMaxObjects * (1 + limits::kFieldsPerObject) + kMaxAxes + 3;
+
+Result<const fb::Image*> read_directory(Bytes bytes, uint64_t checksum) {
+  if (bytes.size() > limits::kDirectoryBytes) return Status{StatusCode::kMalformed, "the directory is too large"};
+  if (checksum_of(bytes) != checksum) return Status{StatusCode::kChecksumMismatch, "the directory is damaged"};
+  flatbuffers::Verifier verifier(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size(), kMaxDepth, kMaxTables);
+  if (!fb::VerifyImageBuffer(verifier)) return Status{StatusCode::kMalformed, "the directory is not well formed"};
+  return fb::GetImage(bytes.data());
+}
+
+bool all_zero(Bytes bytes) {
+  return std::all_of(bytes.begin(), bytes.end(), [](std::byte b) { return b == std::byte{0}; });
+}
+
+// Each section begins where the one before it ended, rounded up to the alignment, and zeros fill the gaps: so no two overlap
+// and every byte of the file is accounted for.
+Status check_layout(Bytes file, const fb::Image& image, uint64_t directory_end) {
+  uint64_t end = directory_end;
+  for (const fb::Section* section : *image.sections()) {
+    const uint64_t begin = aligned_offset(end);
+    if (section->kind() > fb::SectionKind::MAX) return {StatusCode::kMalformed, "a section is of an unknown kind"};
+    if (section->offset() != begin) return {StatusCode::kMalformed, "a section is not where it must be"};
+    if (begin > file.size() || section->size() > file.size() - begin)
+      return {StatusCode::kMalformed, "a section does not lie in the file"};
+    if (!all_zero(file.subspan(end, begin - end))) return {StatusCode::kMalformed, "the bytes between sections are not zero"};
+    end = begin + section->size();
+  }
+  if (aligned_offset(end) != file.size() || !all_zero(file.subspan(end)))
+    return {StatusCode::kMalformed, "the last section does not end the file"};
+  return {};
+}
+
+Status check_checksums(Bytes file, const fb::Image& image) {
+  for (const fb::Section* section : *image.sections())
+    if (checksum_of(file.subspan(section->offset(), section->size())) != section->checksum())
+      return {StatusCode::kChecksumMismatch, "a section is damaged"};
+  return {};
+}
+
+glm::vec3 vector_or(const fb::Vec3* v, const glm::vec3& absent) { return v ? glm::vec3(v->x(), v->y(), v->z()) : absent; }
+
+RigNode node_from_directory(const fb::RigNode& node) {
+  RigNode result;
+  result.parent = node.parent();
+  result.translation = vector_or(node.translation(), glm::vec3(0));
+  result.scale = vector_or(node.scale(), glm::vec3(1));
+  if (const fb::Quat* r = node.rotation()) result.rotation = glm::quat(r->w(), r->x(), r->y(), r->z());
+  if (const auto* m = node.matrix())
+    for (uint32_t i = 0; i < 16; ++i) result.matrix[static_cast<int>(i / 4)][static_cast<int>(i % 4)] = m->Get(i);
+  return result;
+}
+
+RigTrack track_from_directory(const fb::RigTrack& track) {
+  RigTrack result;
+  result.node = track.node();
+  result.axis = track.axis();
+  result.path = static_cast<TrackPath>(track.path());
+  result.interpolation = static_cast<Interpolation>(track.interpolation());
+  result.positions = {track.positions()->data(), track.positions()->size()};
+  result.values = {track.values()->data(), track.values()->size()};
+  return result;
+}
+
+}  // namespace
+
+Result<ImageView> ImageView::open(std::span<const std::byte> file) {
+  if (reinterpret_cast<uintptr_t>(file.data()) % kSectionAlignment != 0)
+    return Status{StatusCode::kUnsupported, "the image is not mapped at a multiple of 64 bytes"};
+  const Result<ImageHeader> header = read_header(file);
+  if (!header.ok()) return header.status();
+  const uint64_t directory_bytes = header.value().directory_bytes;
+  const Result<const fb::Image*> directory =
+      read_directory(file.subspan(kHeaderBytes, directory_bytes), header.value().directory_checksum);
+  if (!directory.ok()) return directory.status();
+  const fb::Image& image = *directory.value();
+  if (Status status = check_layout(file, image, kHeaderBytes + directory_bytes); !status.ok()) return status;
+  if (Status status = check_checksums(file, image); !status.ok()) return status;
+  if (Status status = check_directory(image); !status.ok()) return status;
+  ImageView view;
+  view.file_ = file;
+  view.directory_ = &image;
+  view.version_ = header.value().version;
+  return view;
+}
+
+std::span<const std::byte> ImageView::section(uint32_t index) const {
+  const fb::Section& section = *directory_->sections()->Get(index);
+  return file_.subspan(section.offset(), section.size());
+}
+
+ParameterSpace ImageView::space() const { return space_from_directory(*directory_); }
+
+Camera ImageView::camera() const {
+  const fb::Camera& camera = *directory_->camera();
+  Camera result;
+  result.node = static_cast<int32_t>(camera.node());
+  result.perspective = camera.perspective();
+  result.yfov = camera.yfov();
+  result.ymag = camera.ymag();
+  result.near_distance = camera.near_distance();
+  result.far_distance = camera.far_distance();
+  return result;
+}
+
+FieldShape ImageView::shape_of(const fb::Field& field) const { return shape_from_directory(*directory_, field); }
+
+void ImageView::read_rig(std::span<RigNode> nodes, std::span<RigTrack> tracks) const {
+  for (uint32_t i = 0; i < nodes.size(); ++i) nodes[i] = node_from_directory(*directory_->nodes()->Get(i));
+  for (uint32_t i = 0; i < tracks.size(); ++i) tracks[i] = track_from_directory(*directory_->tracks()->Get(i));
+}
+
+}  // namespace vitrine

@@ -1,0 +1,268 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "formats/node_coding.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace vitrine {
+namespace {
+
+constexpr int kFractionLog2 = 3;  // fractional bits of dequantized coefficients, scaled to the amplitude of one texel
+
+// round(65536 / (1 + exp(-0.24 (i - 31.5)))); symmetric, so the upper half follows from the lower.
+constexpr std::array<uint16_t, 32> kLogistic = {34,   43,   55,   70,    89,    113,   144,   183,   232,   295,  374,
+                                                475,  603,  764,  968,   1226,  1551,  1959,  2470,  3108,  3901, 4880,
+                                                6081, 7541, 9296, 11380, 13816, 16614, 19761, 23222, 26933, 30804};
+constexpr std::array<uint8_t, kAdaptationSpeeds> kFastShift = {3, 4, 5, 6}, kSlowShift = {5, 6, 7, 9};
+
+template <int kLog2>
+constexpr auto make_scan() {
+  constexpr int kSize = 1 << kLog2;
+  std::array<ScanPosition, kSize * kSize> scan{};
+  size_t i = 0;
+  for (int d = 0; d < 2 * kSize - 1; ++d) {
+    for (int y = std::min(d, kSize - 1); y >= std::max(0, d - kSize + 1); --y) {
+      scan[i++] = {static_cast<uint8_t>(d - y), static_cast<uint8_t>(y)};
+    }
+  }
+  return scan;
+}
+constexpr auto kScan8 = make_scan<3>();
+constexpr auto kScan16 = make_scan<4>();
+constexpr auto kScan32 = make_scan<5>();
+
+// 64 sqrt(2) cos(a pi / 64), rounded as H.265 does, for a = 1..32.
+constexpr std::array<int16_t, 33> kCosine = {0,  90, 90, 90, 89, 88, 87, 85, 83, 82, 80, 78, 75, 73, 70, 67, 64,
+                                             61, 57, 54, 50, 46, 43, 38, 36, 31, 25, 22, 18, 13, 9,  4,  0};
+
+constexpr int16_t cosine(int angle) {
+  const int a = angle % 128 > 64 ? 128 - angle % 128 : angle % 128;
+  return static_cast<int16_t>(a <= 32 ? kCosine[static_cast<size_t>(a)] : -kCosine[static_cast<size_t>(64 - a)]);
+}
+
+constexpr auto make_basis() {
+  std::array<std::array<int16_t, kTileSize>, kTileSize> basis{};
+  for (int k = 0; k < kTileSize; ++k) {
+    for (int n = 0; n < kTileSize; ++n)
+      basis[static_cast<size_t>(k)][static_cast<size_t>(n)] = k == 0 ? int16_t{64} : cosine((2 * n + 1) * k);
+  }
+  return basis;
+}
+constexpr auto kBasis = make_basis();
+
+constexpr auto kRamp = [] {
+  std::array<int16_t, kTileSize> ramp{};
+  for (size_t i = 0; i < kTileSize; ++i) ramp[i] = static_cast<int16_t>(i);
+  return ramp;
+}();
+
+int16_t clamp16(int value) { return static_cast<int16_t>(std::clamp(value, -32768, 32767)); }
+
+// |level| <= 32767 and step < 65536, so the product is below 2^31.
+int16_t dequantize(int level, int step, int log2) {
+  const int magnitude =
+      static_cast<int>((static_cast<uint32_t>(std::abs(level)) * static_cast<uint32_t>(step) + (1u << (log2 - 1))) >> log2);
+  return clamp16(level < 0 ? -magnitude : magnitude);
+}
+
+struct Extent {
+  int columns = 0, rows = 0;
+};
+Extent extent_of(const CoefficientLevels& levels) {
+  Extent e;
+  for (int i = 0; i < levels.nonzero_count; ++i) {
+    e.columns = std::max(e.columns, levels.nonzero[static_cast<size_t>(i)].x + 1);
+    e.rows = std::max(e.rows, levels.nonzero[static_cast<size_t>(i)].y + 1);
+  }
+  return e;
+}
+
+// out[n] += factor * basis[n]: |sum| <= 32 * 90 * 2^15 < 2^27.
+template <int kCount>
+void accumulate(int32_t* out, const int16_t* basis, int16_t factor) {
+  for (int n = 0; n < kCount; ++n) out[n] += static_cast<int32_t>(factor) * basis[n];
+}
+
+// Vertical pass: column[y] = sum over ky of basis[ky][y] * coefficient[ky], kept with the same fraction bits.
+template <int kLog2>
+void invert_column(const int16_t* coefficients, int rows, int16_t* column) {
+  constexpr int kSize = 1 << kLog2;
+  std::array<int32_t, kSize> sum;
+  sum.fill(32);
+  for (int k = 0; k < rows; ++k) {
+    if (coefficients[k] != 0)
+      accumulate<kSize>(sum.data(), kBasis[static_cast<size_t>(k) << (kTileLog2 - kLog2)].data(), coefficients[k]);
+  }
+  for (int y = 0; y < kSize; ++y) column[y] = clamp16(sum[static_cast<size_t>(y)] >> 6);
+}
+
+template <int kLog2>
+void invert_rows(const int16_t* columns, int count, int16_t* residual) {
+  constexpr int kSize = 1 << kLog2;
+  constexpr int kShift = 6 + kFractionLog2;
+  for (int y = 0; y < kSize; ++y) {
+    std::array<int32_t, kSize> sum;
+    sum.fill(1 << (kShift - 1));
+    for (int k = 0; k < count; ++k) {
+      accumulate<kSize>(sum.data(), kBasis[static_cast<size_t>(k) << (kTileLog2 - kLog2)].data(), columns[k * kSize + y]);
+    }
+    for (int x = 0; x < kSize; ++x) residual[y * kSize + x] = clamp16(sum[static_cast<size_t>(x)] >> kShift);
+  }
+}
+
+template <int kLog2>
+void reconstruct(const CoefficientLevels& levels, int step, int16_t* residual) {
+  constexpr int kSize = 1 << kLog2;
+  const Extent extent = extent_of(levels);
+  std::array<int16_t, kSize * kSize> coefficients;  // column-major, only the extent is filled
+  std::memset(coefficients.data(), 0, sizeof(int16_t) * kSize * static_cast<size_t>(extent.columns));
+  for (int i = 0; i < levels.nonzero_count; ++i) {
+    const ScanPosition at = levels.nonzero[static_cast<size_t>(i)];
+    coefficients[static_cast<size_t>(at.x) * kSize + at.y] = dequantize(levels.at(at.x, at.y), step, kLog2);
+  }
+  std::array<int16_t, kSize * kSize> columns;
+  for (int k = 0; k < extent.columns; ++k)
+    invert_column<kLog2>(&coefficients[static_cast<size_t>(k) * kSize], extent.rows, &columns[static_cast<size_t>(k) * kSize]);
+  invert_rows<kLog2>(columns.data(), extent.columns, residual);
+}
+
+// Texels next to a block; beyond the plane's far edges the last texel inside goes on.
+struct Border {
+  bool has_left = false, has_above = false;
+  std::array<int16_t, kTileSize> left, above;
+};
+
+Border border_of(const NodePlane& plane, int x, int y, int size) {
+  Border b;
+  b.has_left = x > 0;
+  b.has_above = y > 0;
+  const int rows = std::min(size, plane.height - y), columns = std::min(size, plane.width - x);
+  const ptrdiff_t stride = plane.width;
+  if (b.has_left) {
+    const int16_t* at = plane.data + y * stride + x - 1;
+    for (int i = 0; i < size; ++i) b.left[static_cast<size_t>(i)] = at[std::min(i, rows - 1) * stride];
+  }
+  if (b.has_above) {
+    const int16_t* at = plane.data + (y - 1) * stride + x;
+    for (int i = 0; i < size; ++i) b.above[static_cast<size_t>(i)] = at[std::min(i, columns - 1)];
+  }
+  if (!b.has_left) b.left.fill(b.has_above ? b.above[0] : int16_t{0});
+  if (!b.has_above) b.above.fill(b.has_left ? b.left[0] : int16_t{0});
+  return b;
+}
+
+void predict_mean(const Border& b, int log2, int16_t* out) {
+  const int size = 1 << log2;
+  int sum = 0;
+  for (int i = 0; i < size; ++i) {
+    sum += b.has_left || !b.has_above ? b.left[static_cast<size_t>(i)] : b.above[static_cast<size_t>(i)];
+    sum += b.has_above || !b.has_left ? b.above[static_cast<size_t>(i)] : b.left[static_cast<size_t>(i)];
+  }
+  std::fill(out, out + size * size, static_cast<int16_t>((sum + size) >> (log2 + 1)));
+}
+
+// H.265, 8.4.4.2.5, with the block's own corner texels for those that may not be decoded yet.
+void predict_planar(const Border& b, int log2, int16_t* out) {
+  const int size = 1 << log2;
+  const int right = b.above[static_cast<size_t>(size) - 1], below = b.left[static_cast<size_t>(size) - 1];
+  std::array<int32_t, kTileSize> vertical, slope;  // down each column
+  for (int x = 0; x < size; ++x) {
+    const int above = b.above[static_cast<size_t>(x)];
+    vertical[static_cast<size_t>(x)] = (size - 1) * above + below + size;
+    slope[static_cast<size_t>(x)] = below - above;
+  }
+  for (int y = 0; y < size; ++y, out += size) {
+    const int left = b.left[static_cast<size_t>(y)], first = (size - 1) * left + right;
+    const int16_t across = static_cast<int16_t>(right - left);
+    for (int x = 0; x < size; ++x) {
+      const size_t i = static_cast<size_t>(x);
+      out[x] = static_cast<int16_t>((first + static_cast<int32_t>(kRamp[i]) * across + vertical[i]) >> (log2 + 1));
+      vertical[i] += slope[i];
+    }
+  }
+}
+
+}  // namespace
+
+AdaptiveBit adaptive_bit_from_byte(uint8_t byte) {
+  const int i = byte >> 2;
+  const uint16_t p =
+      static_cast<uint16_t>(i < 32 ? kLogistic[static_cast<size_t>(i)] : 65536 - kLogistic[static_cast<size_t>(63 - i)]);
+  return {p, p, kFastShift[byte & 3], kSlowShift[byte & 3]};
+}
+
+std::span<const uint8_t> default_context_bytes() {
+  static constexpr auto kBytes = [] {
+    std::array<uint8_t, kContextBytesPerLevel> bytes{};
+    for (uint8_t& b : bytes) b = 32 << 2 | 1;
+    return bytes;
+  }();
+  return kBytes;
+}
+
+bool load_contexts(std::span<const uint8_t> bytes, ContextSet& contexts) {
+  if (bytes.empty()) bytes = default_context_bytes();
+  if (bytes.size() != kContextBytesPerLevel) return false;
+  for (size_t i = 0; i < bytes.size(); ++i) contexts[i] = adaptive_bit_from_byte(bytes[i]);
+  return true;
+}
+
+std::span<const ScanPosition> scan_order(int log2) {
+  if (log2 == 3) return kScan8;
+  if (log2 == 4) return kScan16;
+  return kScan32;
+}
+
+int scan_index(int log2, int x, int y) {
+  const int size = 1 << log2, d = x + y;
+  if (d < size) return d * (d + 1) / 2 + (d - y);
+  const int after = 2 * size - 1 - d;  // length of this diagonal
+  return size * size - after * (after + 1) / 2 + (size - 1 - y);
+}
+
+const std::array<std::array<int16_t, kTileSize>, kTileSize>& transform_basis() { return kBasis; }
+
+void reconstruct_residual(const CoefficientLevels& levels, int log2, uint16_t step, int16_t* residual) {
+  if (log2 == 3) return reconstruct<3>(levels, step, residual);
+  if (log2 == 4) return reconstruct<4>(levels, step, residual);
+  return reconstruct<5>(levels, step, residual);
+}
+
+void predict_block(Prediction mode, const NodePlane& plane, int x, int y, int log2, int16_t* prediction) {
+  const int size = 1 << log2;
+  if (mode == Prediction::kZero) return static_cast<void>(std::fill(prediction, prediction + size * size, int16_t{0}));
+  const Border border = border_of(plane, x, y, size);
+  if (mode == Prediction::kMean) return predict_mean(border, log2, prediction);
+  if (mode == Prediction::kPlanar) return predict_planar(border, log2, prediction);
+  for (int row = 0; row < size; ++row, prediction += size) {
+    if (mode == Prediction::kVertical)
+      std::copy_n(border.above.begin(), size, prediction);
+    else
+      std::fill_n(prediction, size, border.left[static_cast<size_t>(row)]);
+  }
+}
+
+void store_block(const int16_t* prediction, const int16_t* residual, const NodePlane& plane, int x, int y, int log2) {
+  const int size = 1 << log2, columns = std::min(size, plane.width - x), rows = std::min(size, plane.height - y);
+  for (int row = 0; row < rows; ++row) {
+    int16_t* out = plane.data + static_cast<ptrdiff_t>(y + row) * plane.width + x;
+    const int16_t *p = prediction + row * size, *r = residual ? residual + row * size : nullptr;
+    for (int i = 0; i < columns; ++i)
+      out[i] = static_cast<int16_t>(std::clamp(p[i] + (r ? r[i] : 0), -kNodeValueMax, kNodeValueMax));
+  }
+}
+
+void store_zero_block(const NodePlane& plane, int x, int y, int log2) {
+  const int size = 1 << log2, columns = std::min(size, plane.width - x), rows = std::min(size, plane.height - y);
+  for (int row = 0; row < rows; ++row) {
+    std::memset(plane.data + static_cast<ptrdiff_t>(y + row) * plane.width + x, 0,
+                sizeof(int16_t) * static_cast<size_t>(columns));
+  }
+}
+
+uint64_t units_of_transform(const CoefficientLevels& levels, int log2) {
+  const Extent extent = extent_of(levels);
+  return units_of_transform(log2, extent.columns, extent.rows);
+}
+
+}  // namespace vitrine

@@ -1,0 +1,79 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// The GL entry points that hal/gl calls: what GL 3.3 core and GL ES 3.0 have in common, found through the context's loader.
+// Nothing links a GL library.
+#pragma once
+
+#include <GL/glcorearb.h>
+
+#include "formats/status.h"
+#include "hal/gl/gl_gpu.h"
+
+namespace vitrine::hal {
+
+struct GlFunctions {
+  PFNGLGETERRORPROC GetError;
+  PFNGLGETSTRINGPROC GetString;
+  PFNGLGETSTRINGIPROC GetStringi;
+  PFNGLGETINTEGERVPROC GetIntegerv;
+  PFNGLENABLEPROC Enable;
+  PFNGLDISABLEPROC Disable;
+  PFNGLCULLFACEPROC CullFace;
+  PFNGLDEPTHFUNCPROC DepthFunc;
+  PFNGLDEPTHMASKPROC DepthMask;
+  PFNGLVIEWPORTPROC Viewport;
+  PFNGLCLEARCOLORPROC ClearColor;
+  PFNGLCLEARPROC Clear;
+  PFNGLFINISHPROC Finish;
+  PFNGLGENTEXTURESPROC GenTextures;
+  PFNGLDELETETEXTURESPROC DeleteTextures;
+  PFNGLBINDTEXTUREPROC BindTexture;
+  PFNGLACTIVETEXTUREPROC ActiveTexture;
+  PFNGLTEXPARAMETERIPROC TexParameteri;
+  PFNGLTEXIMAGE2DPROC TexImage2D;
+  PFNGLTEXSUBIMAGE2DPROC TexSubImage2D;
+  PFNGLGENBUFFERSPROC GenBuffers;
+  PFNGLDELETEBUFFERSPROC DeleteBuffers;
+  PFNGLBINDBUFFERPROC BindBuffer;
+  PFNGLBUFFERDATAPROC BufferData;
+  PFNGLGENVERTEXARRAYSPROC GenVertexArrays;
+  PFNGLDELETEVERTEXARRAYSPROC DeleteVertexArrays;
+  PFNGLBINDVERTEXARRAYPROC BindVertexArray;
+  PFNGLENABLEVERTEXATTRIBARRAYPROC EnableVertexAttribArray;
+  PFNGLVERTEXATTRIBPOINTERPROC VertexAttribPointer;
+  PFNGLDRAWARRAYSPROC DrawArrays;
+  PFNGLDRAWELEMENTSPROC DrawElements;
+  PFNGLCREATESHADERPROC CreateShader;
+  PFNGLSHADERSOURCEPROC ShaderSource;
+  PFNGLCOMPILESHADERPROC CompileShader;
+  PFNGLGETSHADERIVPROC GetShaderiv;
+  PFNGLGETSHADERINFOLOGPROC GetShaderInfoLog;
+  PFNGLDELETESHADERPROC DeleteShader;
+  PFNGLCREATEPROGRAMPROC CreateProgram;
+  PFNGLATTACHSHADERPROC AttachShader;
+  PFNGLLINKPROGRAMPROC LinkProgram;
+  PFNGLGETPROGRAMIVPROC GetProgramiv;
+  PFNGLGETPROGRAMINFOLOGPROC GetProgramInfoLog;
+  PFNGLDELETEPROGRAMPROC DeleteProgram;
+  PFNGLUSEPROGRAMPROC UseProgram;
+  PFNGLGETUNIFORMLOCATIONPROC GetUniformLocation;
+  PFNGLUNIFORM1IPROC Uniform1i;
+  PFNGLUNIFORM4FVPROC Uniform4fv;
+  PFNGLGENFRAMEBUFFERSPROC GenFramebuffers;
+  PFNGLDELETEFRAMEBUFFERSPROC DeleteFramebuffers;
+  PFNGLBINDFRAMEBUFFERPROC BindFramebuffer;
+  PFNGLFRAMEBUFFERTEXTURE2DPROC FramebufferTexture2D;
+  PFNGLCHECKFRAMEBUFFERSTATUSPROC CheckFramebufferStatus;
+  PFNGLBLITFRAMEBUFFERPROC BlitFramebuffer;
+  PFNGLGENRENDERBUFFERSPROC GenRenderbuffers;
+  PFNGLDELETERENDERBUFFERSPROC DeleteRenderbuffers;
+  PFNGLBINDRENDERBUFFERPROC BindRenderbuffer;
+  PFNGLRENDERBUFFERSTORAGEPROC RenderbufferStorage;
+  PFNGLFRAMEBUFFERRENDERBUFFERPROC FramebufferRenderbuffer;
+  PFNGLREADPIXELSPROC ReadPixels;
+};
+
+// The context must be current.
+Status load_gl_functions(GetProc get_proc, GlFunctions& gl);
+
+}  // namespace vitrine::hal

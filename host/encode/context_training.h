@@ -1,0 +1,19 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// Initial states of contexts, fitted to the symbols of earlier encodings: nodes are so small (often a few hundred bytes)
+// that learning from scratch in each would cost a good part of them.
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "host/encode/node_encoder.h"
+
+namespace vitrine {
+
+// The states with which the given nodes would have cost least (probability and speed, per context); contexts that were
+// hardly used keep the state of `before` (or the built-in one, when empty).
+std::vector<uint8_t> train_contexts(const std::vector<const CodedSymbols*>& nodes, std::span<const uint8_t> before);
+
+}  // namespace vitrine

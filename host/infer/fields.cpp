@@ -1,0 +1,109 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "host/infer/fields.h"
+
+#include <algorithm>
+#include <map>
+
+namespace vitrine {
+namespace {
+
+AxisMask axis_bit(int axis) { return axis >= 0 ? AxisMask{1} << axis : 0; }
+
+AxisMask varying_axes(const ParameterSpace& space) {
+  AxisMask mask = 0;
+  for (int axis = 0; axis < space.axis_count; ++axis)
+    if (space.axes[static_cast<size_t>(axis)].samples > 1) mask |= axis_bit(axis);
+  return mask;
+}
+
+// Axes that move the camera and change nothing else: no object, no light, no switch.
+AxisMask only_camera_axes(const Scene& scene) {
+  std::vector<bool> carries(scene.nodes.size());  // an object or a light
+  const auto mark = [&](int node) {
+    for (; node >= 0; node = scene.nodes[static_cast<size_t>(node)].parent) carries[static_cast<size_t>(node)] = true;
+  };
+  AxisMask others = axis_bit(scene.variant_axis);
+  for (const Object& object : scene.objects) {
+    if (!object.follows_camera) mark(object.node);
+    others |= axis_bit(object.emission_axis);
+  }
+  for (const Light& light : scene.lights) {
+    mark(light.node);
+    others |= axis_bit(light.emission_axis);
+  }
+  for (const RigTrack& track : scene.tracks)
+    if (carries[track.node]) others |= AxisMask{1} << track.axis;
+  return camera_axes(scene) & ~others;
+}
+
+bool all_unlit(const Scene& scene, const Object& object) {
+  const auto unlit = [&](const std::vector<int>& materials) {
+    return std::all_of(materials.begin(), materials.end(),
+                       [&](int m) { return m >= 0 && scene.materials[static_cast<size_t>(m)].unlit; });
+  };
+  return !object.geometry.triangle_materials.empty() && unlit(object.geometry.triangle_materials) &&
+         std::all_of(object.variant_materials.begin(), object.variant_materials.end(), unlit);
+}
+
+}  // namespace
+
+const char* layer_name(Layer layer) { return layer == Layer::kDiffuse ? "diffuse" : "specular"; }
+
+StateTable make_states(const ParameterSpace& space, AxisMask geometry_axes) {
+  StateTable table;
+  std::map<int64_t, int> numbers;
+  for (int64_t sample = 0; sample < space.sample_count(); ++sample) {
+    const auto [at, is_new] = numbers.emplace(field_sample_of(space, geometry_axes, sample), static_cast<int>(numbers.size()));
+    if (is_new) table.samples_of_state.emplace_back();
+    table.state_of_sample.push_back(at->second);
+    table.samples_of_state[static_cast<size_t>(at->second)].push_back(sample);
+  }
+  return table;
+}
+
+AxisMask field_axes(const Scene& scene, const Object& object, Layer layer) {
+  const AxisMask varying = varying_axes(scene.space());
+  if (layer == Layer::kSpecular) return varying;
+  if (object.follows_camera || all_unlit(scene, object)) {
+    const AxisMask own = (object.variant_materials.empty() ? 0 : axis_bit(scene.variant_axis)) | axis_bit(object.emission_axis);
+    return own & varying;
+  }
+  return varying & ~only_camera_axes(scene);
+}
+
+int64_t field_sample_of(const ParameterSpace& space, AxisMask axes, int64_t grid_sample) {
+  GridIndex index = space.index_from_flat(grid_sample);
+  for (int axis = 0; axis < space.axis_count; ++axis)
+    if (!(axes & axis_bit(axis))) index[static_cast<size_t>(axis)] = 0;
+  return space.restricted(axes).flat_from_index(index);
+}
+
+std::vector<SolveGroup> make_groups(const ParameterSpace& space, AxisMask axes, const StateTable& states, int field,
+                                    size_t max_textures, size_t stride) {
+  std::map<int64_t, std::map<int, std::vector<int64_t>>> seen;  // texture -> state -> grid samples
+  for (int64_t sample = 0; sample < space.sample_count(); ++sample)
+    seen[field_sample_of(space, axes, sample)][states.state_of_sample[static_cast<size_t>(sample)]].push_back(sample);
+  std::map<std::vector<int>, std::vector<int64_t>> by_states;
+  for (const auto& [texture, uses] : seen) {
+    std::vector<int> key;
+    for (const auto& use : uses) key.push_back(use.first);
+    by_states[key].push_back(texture);
+  }
+  std::vector<SolveGroup> groups;
+  for (const auto& [key, textures] : by_states)
+    for (size_t begin = 0; begin < textures.size(); begin += max_textures) {
+      SolveGroup group{field,
+                       {textures.begin() + static_cast<ptrdiff_t>(begin),
+                        textures.begin() + static_cast<ptrdiff_t>(std::min(textures.size(), begin + max_textures))},
+                       {}};
+      for (size_t s = 0; s < key.size(); s += stride) {
+        SolveGroup::Use use{key[s], {}};
+        for (const int64_t texture : group.textures) use.samples.push_back(seen[texture][key[s]]);
+        group.uses.push_back(std::move(use));
+      }
+      groups.push_back(std::move(group));
+    }
+  return groups;
+}
+
+}  // namespace vitrine

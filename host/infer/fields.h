@@ -1,0 +1,47 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// Which layers of which objects become fields, on which axes they depend, and which of their textures are solved together.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "formats/parameter_space.h"
+#include "host/scene/scene.h"
+
+namespace vitrine {
+
+enum class Layer : uint8_t { kDiffuse, kSpecular };
+inline constexpr Layer kLayers[] = {Layer::kDiffuse, Layer::kSpecular};
+const char* layer_name(Layer layer);
+
+// Grid samples that agree on the axes that move camera or objects share one rendering matrix.
+struct StateTable {
+  std::vector<int> state_of_sample;                    // per grid sample, flat
+  std::vector<std::vector<int64_t>> samples_of_state;  // ascending
+};
+StateTable make_states(const ParameterSpace& space, AxisMask geometry_axes);
+
+// specular: all axes. diffuse: all but those that move only the camera; of an object whose materials are all unlit in all
+// variants, and of the backdrop, only the axes that switch its own material or emission. Axes with one sample never count.
+AxisMask field_axes(const Scene& scene, const Object& object, Layer layer);
+
+// The flat number of a grid sample within the space restricted to `axes`.
+int64_t field_sample_of(const ParameterSpace& space, AxisMask axes, int64_t grid_sample);
+
+// Textures of one field that see the same states, to be solved side by side.
+struct SolveGroup {
+  struct Use {
+    int state = 0;
+    std::vector<std::vector<int64_t>> samples;  // per texture: grid samples in this state; their layers are averaged
+  };
+  int field = 0;
+  std::vector<int64_t> textures;  // flat numbers in the field's space
+  std::vector<Use> uses;          // ascending states
+};
+// At most `max_textures` to a group; of a group's states only every `stride`-th is used.
+std::vector<SolveGroup> make_groups(const ParameterSpace& space, AxisMask axes, const StateTable& states, int field,
+                                    size_t max_textures, size_t stride);
+
+}  // namespace vitrine

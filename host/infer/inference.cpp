@@ -1,0 +1,106 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "host/infer/inference.h"
+
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+
+#include "host/infer/geometry_states.h"
+#include "host/infer/inference_run.h"
+#include "host/infer/light_survey.h"
+#include "host/infer/parameterization.h"
+#include "host/infer/texture_size.h"
+
+namespace vitrine {
+namespace {
+
+// What a supersample of the rendering matrix takes: four texels mostly (the finest level is magnified at the supersampled
+// size), and its place.
+constexpr size_t kBytesPerSupersample = 48;
+
+std::vector<DrawnObject> draw_objects(const Scene& scene) {
+  const Pose pose = pose_scene(scene, scene.space().position_of({}));
+  std::vector<DrawnObject> objects(scene.objects.size());
+  tbb::parallel_for(size_t{0}, objects.size(), [&](size_t i) {
+    objects[i] = make_drawn_object(scene, static_cast<int>(i), world_from_object(scene, pose, static_cast<int>(i)));
+  });
+  return objects;
+}
+
+std::vector<GeometryState> geometry_states(const Scene& scene, const StateTable& table, const std::vector<DrawnObject>& objects,
+                                           const InferenceOptions& options) {
+  const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
+  std::vector<GeometryState> states;
+  for (const auto& samples : table.samples_of_state) states.push_back(geometry_state_at(scene, samples.front(), objects, aspect));
+  return states;
+}
+
+bool is_constant_backdrop(const Object& object, const ObjectLight& light) {
+  return object.follows_camera && is_constant(light[0]) && !carries_light(light[1]);
+}
+
+// Objects that some state shows and that carry light, with their texture sizes.
+std::vector<DrawnObject> fit_objects(const Scene& scene, std::vector<DrawnObject> all, const std::vector<ObjectSurvey>& surveys,
+                                     const std::vector<ObjectLight>& lights, const InferenceOptions& options) {
+  std::vector<DrawnObject> fitted;
+  for (size_t i = 0; i < all.size(); ++i) {
+    if (!surveys[i].visible()) continue;
+    const Object& object = scene.objects[i];
+    const int limit = is_constant_backdrop(object, lights[i]) ? 8 : options.max_texture_size;
+    fit_texture(all[i], surveys[i], options.texels_per_pixel * object.resolution_scale, limit);
+    fitted.push_back(std::move(all[i]));
+  }
+  return fitted;
+}
+
+std::vector<Field> make_fields(const Scene& scene, const std::vector<DrawnObject>& objects,
+                               const std::vector<ObjectLight>& lights) {
+  std::vector<Field> fields;
+  for (size_t i = 0; i < objects.size(); ++i)
+    for (const Layer layer : kLayers) {
+      const auto object = static_cast<size_t>(objects[i].object);
+      if (!carries_light(lights[object][static_cast<size_t>(layer)])) continue;
+      const AxisMask axes = field_axes(scene, scene.objects[object], layer);
+      fields.push_back({static_cast<int>(i), layer_name(layer), axes, scene.space().restricted(axes), {}, {}});
+    }
+  return fields;
+}
+
+size_t stride_for_memory(size_t states, const InferenceOptions& options) {
+  const size_t samples = static_cast<size_t>(options.width) * static_cast<size_t>(options.height) *
+                         static_cast<size_t>(options.supersampling * options.supersampling);
+  const size_t needed = states * samples * kBytesPerSupersample;
+  return std::max<size_t>(1, (needed + options.max_matrix_bytes - 1) / std::max<size_t>(1, options.max_matrix_bytes));
+}
+
+}  // namespace
+
+Inference infer_textures(const Scene& scene, const std::vector<StoreKey>& frames, const Store& store, hal::Gpu& gpu,
+                         const InferenceOptions& options, Progress& progress) {
+  const ParameterSpace space = scene.space();
+  const StateTable table = make_states(space, geometry_axes(scene));
+  const std::vector<ObjectLight> lights = survey_light(scene, frames, store);
+  Inference inference;
+  inference.objects = draw_objects(scene);
+  std::vector<ObjectSurvey> surveys;
+  {
+    TestRenderer renderer(gpu, options, inference.objects);
+    surveys = survey_objects(renderer, inference.objects.size(), options.supersampling,
+                             geometry_states(scene, table, inference.objects, options));
+  }
+  inference.objects = fit_objects(scene, std::move(inference.objects), surveys, lights, options);
+  inference.fields = make_fields(scene, inference.objects, lights);
+  const size_t stride = stride_for_memory(table.samples_of_state.size(), options);
+  if (stride > 1)
+    inference.warnings.push_back(
+        fmt::format("rendering matrices of all {} views would need more than {} MB: layers that do not depend on the view are "
+                    "inferred from every {}. view",
+                    table.samples_of_state.size(), options.max_matrix_bytes >> 20, stride));
+  InferenceRun run(scene, frames, store, gpu, options, table, geometry_states(scene, table, inference.objects, options), stride,
+                   inference);
+  run.solve_missing(progress);
+  return inference;
+}
+
+}  // namespace vitrine

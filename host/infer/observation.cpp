@@ -1,0 +1,62 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "host/infer/observation.h"
+
+#include <algorithm>
+
+namespace vitrine {
+namespace {
+
+const ObjectFrame* find_object(const Frame& frame, int object) {
+  for (const ObjectFrame& candidate : frame.objects)
+    if (candidate.object == object) return &candidate;
+  return nullptr;
+}
+
+// Calls body(index in the window, index in the object's frame) for pixels that lie in both.
+template <typename Body>
+void for_each_common(const PixelWindow& window, const ObjectFrame& frame, const Body& body) {
+  const int y1 = std::min(window.y + window.height, frame.y + frame.height),
+            x1 = std::min(window.x + window.width, frame.x + frame.width);
+  for (int y = std::max(window.y, frame.y); y < y1; ++y)
+    for (int x = std::max(window.x, frame.x); x < x1; ++x)
+      body(static_cast<size_t>(y - window.y) * static_cast<size_t>(window.width) + static_cast<size_t>(x - window.x),
+           static_cast<size_t>(y - frame.y) * static_cast<size_t>(frame.width) + static_cast<size_t>(x - frame.x));
+}
+
+}  // namespace
+
+Observation make_observation(const FilteredMatrix& matrix, int object, std::span<const Frame* const> frames) {
+  Observation observation;
+  observation.matrix = &matrix;
+  observation.weight = matrix.coverage();
+  std::vector<float> traced(matrix.pixel_count());
+  for (const Frame* frame : frames) {
+    std::fill(traced.begin(), traced.end(), 0.0f);
+    if (const ObjectFrame* found = find_object(*frame, object))
+      for_each_common(matrix.window(), *found, [&](size_t p, size_t q) { traced[p] = found->coverage[q]; });
+    for (size_t p = 0; p < traced.size(); ++p) observation.weight[p] = std::min(observation.weight[p], traced[p]);
+  }
+  observation.scale.resize(traced.size());
+  for (size_t p = 0; p < traced.size(); ++p) {
+    float& weight = observation.weight[p];
+    if (!(weight >= kMinCoverage)) weight = 0;
+    if (weight <= 0) continue;
+    const float ratio = weight / matrix.filtered()[p];
+    observation.scale[p] = ratio * ratio;
+    ++observation.rows;
+  }
+  return observation;
+}
+
+std::vector<glm::vec3> layer_in_window(const PixelWindow& window, int object, Layer layer, std::span<const Frame* const> frames) {
+  std::vector<glm::vec3> values(static_cast<size_t>(window.width) * static_cast<size_t>(window.height), glm::vec3(0));
+  const float share = 1.0f / static_cast<float>(frames.size());
+  for (const Frame* frame : frames)
+    if (const ObjectFrame* found = find_object(*frame, object)) {
+      const std::vector<glm::vec3>& light = layer == Layer::kDiffuse ? found->diffuse : found->specular;
+      for_each_common(window, *found, [&](size_t p, size_t q) { values[p] += share * light[q]; });
+    }
+  return values;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,63 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// The least-squares solution (Hakura 2001, section 3.5) for textures that share their matrices: up to kMaxTextures textures
+// at once, over one geometry state (layers that depend on the view) or many (layers that do not, section 3.5.2).
+//
+//   min  sum over states, pixels of  scale (F A M x - c b)^2  +  mu Gamma(x),    scale = (W / c)^2,
+//
+// with c the filtered coverage F A 1: the equation of each row is divided by c, which gives W^2 (F A M x / c - b)^2. It is
+// minimized by conjugate gradients on the normal equations, preconditioned by the row sums of the data term. Channels run
+// in lock step but with steps of their own, and one that has converged stands still, so that a texture comes out the same
+// whichever others are solved beside it.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "host/infer/filtered_matrix.h"
+#include "host/infer/pyramid.h"
+
+namespace vitrine {
+
+// One object in one state: which pixels count, and how much.
+struct Observation {
+  const FilteredMatrix* matrix = nullptr;
+  std::vector<float> weight;  // W per pixel of the window, 0 where there is no row
+  std::vector<float> scale;   // (W / c)^2
+  int64_t rows = 0;
+};
+
+struct SolverOptions {
+  float regularization = 0.02f;  // e_f
+  int iterations = 40;
+  float tolerance = 1e-3f;  // of the preconditioned gradient, relative to that at x = 0
+};
+
+class TextureSolver {
+ public:
+  static constexpr size_t kMaxTextures = 4;
+
+  // Keeps references. `count` textures, 1..kMaxTextures.
+  TextureSolver(const Pyramid& pyramid, size_t count, const SolverOptions& options);
+  ~TextureSolver();
+  TextureSolver(TextureSolver&&) noexcept;
+
+  // Adds a state with its layers: layers[i][p] is b of texture i at pixel p of the window. Order matters for the last bits.
+  void add(const Observation& observation, std::span<const std::vector<glm::vec3>> layers);
+  // [texture][texel of the finest level], clamped to >= 0. Observations must still be there.
+  std::vector<std::vector<glm::vec3>> solve() const;
+  size_t bytes() const;
+
+ private:
+  struct Base;
+  template <int K>
+  struct Impl;
+  std::unique_ptr<Base> impl_;
+};
+
+// out += M' A' F' (W / c): how many screen pixels each texel of the finest level feeds. `out`: the whole pyramid is needed
+// as working space, pass finest-level results through Pyramid::decimate_transposed when all states are added.
+void add_importance(const Observation& observation, float factor, std::vector<float>& all_levels);
+
+}  // namespace vitrine

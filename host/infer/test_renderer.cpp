@@ -1,0 +1,60 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "host/infer/test_renderer.h"
+
+#include "host/base/error.h"
+
+namespace vitrine {
+namespace {
+
+void check(const Status& status) {
+  if (!status.ok()) throw InputError("graphics device", status.detail(), "use a device with float targets and enough memory");
+}
+template <typename T>
+T checked(Result<T> result) {
+  check(result.status());
+  return result.value();
+}
+
+}  // namespace
+
+hal::Texture create_pyramid_texture(hal::Gpu& gpu, SceneDrawer& drawer, const Pyramid& pyramid, hal::TextureFormat format,
+                                    std::span<const std::byte> texels) {
+  const hal::Texture texture = checked(drawer.create_texture(pyramid.width(), pyramid.height(), format));
+  const auto texel_bytes = static_cast<size_t>(hal::bytes_per_texel(format));
+  int number = 0;
+  for (const Pyramid::Level& level : pyramid.levels()) {
+    const size_t bytes = static_cast<size_t>(level.width) * static_cast<size_t>(level.height) * texel_bytes;
+    check(gpu.update_texture(texture, number++, 0, 0, level.width, level.height,
+                             texels.subspan(level.offset * texel_bytes, bytes)));
+  }
+  return texture;
+}
+
+TestRenderer::TestRenderer(hal::Gpu& gpu, const InferenceOptions& options, std::span<const DrawnObject> objects) : gpu_(&gpu) {
+  if (!gpu.info().float_targets)
+    throw InputError("graphics device", "it cannot render to floats", "compile on one that can (OSMesa does)");
+  drawer_ =
+      checked(SceneDrawer::create(gpu, {options.width, options.height, options.supersampling, hal::TextureFormat::kRgba32f}));
+  for (const DrawnObject& object : objects) {
+    meshes_.push_back(object.indices.empty()
+                          ? DrawMesh{}
+                          : checked(drawer_.create_mesh(object.vertices, object.indices, object.culled_index_count)));
+  }
+}
+
+TestRenderer::~TestRenderer() {
+  for (const DrawMesh& mesh : meshes_)
+    if (mesh.mesh.id) gpu_->destroy(mesh.mesh);
+  gpu_->destroy(drawer_.supersampled());
+}
+
+void TestRenderer::render(const GeometryState& state, std::span<const hal::Texture> textures, std::span<glm::vec4> pixels) {
+  check(drawer_.begin());
+  for (size_t i = 0; i < meshes_.size(); ++i)
+    if (meshes_[i].mesh.id && textures[i].id)
+      check(drawer_.draw(meshes_[i], state.clip_from_object[i], state.mirrored[i] != 0, textures[i]));
+  check(drawer_.end());
+  check(gpu_->read_pixels(drawer_.supersampled(), hal::TextureFormat::kRgba32f, std::as_writable_bytes(pixels)));
+}
+
+}  // namespace vitrine

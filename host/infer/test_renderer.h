@@ -1,0 +1,52 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// Draws all objects of one geometry state with the target's own drawing code, each with a texture of its own, and reads the
+// supersampled picture back as floats. Everything that inference knows about the device it learns through this.
+#pragma once
+
+#include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <glm/vec4.hpp>
+#include <span>
+#include <vector>
+
+#include "hal/gpu.h"
+#include "host/infer/inference.h"
+#include "host/infer/pyramid.h"
+#include "target/draw/scene_drawer.h"
+
+namespace vitrine {
+
+// Where everything stands: all grid samples that agree on it see the same texels and share one rendering matrix.
+struct GeometryState {
+  std::vector<glm::mat4> clip_from_object;  // per drawn object
+  std::vector<uint8_t> mirrored;
+};
+
+// All levels of a texture, level by level as Pyramid orders them, uploaded. `texels`: of `format`.
+hal::Texture create_pyramid_texture(hal::Gpu& gpu, SceneDrawer& drawer, const Pyramid& pyramid, hal::TextureFormat format,
+                                    std::span<const std::byte> texels);
+
+class TestRenderer {
+ public:
+  // `options`: picture size and supersampling. Throws InputError where the device refuses.
+  TestRenderer(hal::Gpu& gpu, const InferenceOptions& options, std::span<const DrawnObject> objects);
+  ~TestRenderer();
+  TestRenderer(const TestRenderer&) = delete;
+  TestRenderer& operator=(const TestRenderer&) = delete;
+
+  // textures[i] for object i; id 0: the object is not drawn. `pixels`: width() * height(), rows bottom first; 0 where
+  // nothing is.
+  void render(const GeometryState& state, std::span<const hal::Texture> textures, std::span<glm::vec4> pixels);
+  int width() const { return drawer_.supersampled_width(); }  // in supersamples
+  int height() const { return drawer_.supersampled_height(); }
+  hal::Gpu& gpu() { return *gpu_; }
+  SceneDrawer& drawer() { return drawer_; }
+
+ private:
+  hal::Gpu* gpu_;
+  SceneDrawer drawer_;
+  std::vector<DrawMesh> meshes_;
+};
+
+}  // namespace vitrine

@@ -1,0 +1,121 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "host/infer/verification.h"
+
+#include <algorithm>
+#include <cstring>
+#include <span>
+
+#include "host/base/error.h"
+#include "host/infer/fields.h"
+#include "host/infer/geometry_states.h"
+#include "host/infer/lanes.h"
+#include "host/infer/pyramid.h"
+#include "host/infer/test_renderer.h"
+#include "target/draw/resolve.h"
+
+namespace vitrine {
+namespace {
+
+constexpr uint16_t kHalfOne = 0x3c00;
+
+// Round to nearest even; the device takes halves where kRgba16f is asked for.
+uint16_t half_from_float(float value) {
+  const float v = std::clamp(value, 0.0f, 65504.0f);
+  if (v < 6.103515625e-05f) return static_cast<uint16_t>(v * 16777216.0f + 0.5f);
+  uint32_t bits;
+  std::memcpy(&bits, &v, sizeof bits);
+  bits += 0xfff + (bits >> 13 & 1);
+  return static_cast<uint16_t>((bits >> 13) - (112u << 10));
+}
+
+std::vector<Lanes<1>> all_levels(const Pyramid& pyramid, const LinearTexture& texture) {
+  std::vector<Lanes<1>> texels(pyramid.size());
+  for (size_t i = 0; i < texture.texels.size(); ++i)
+    for (int k = 0; k < 3; ++k) texels[i].set(static_cast<size_t>(k), texture.texels[i][k]);
+  for (size_t i = 0; i < texture.texels.size(); ++i) texels[i].set(3, 1);
+  pyramid.decimate(texels.data());
+  return texels;
+}
+
+// What SceneDrawer::resolve computes, in linear light.
+std::vector<glm::vec3> resolve(std::span<const glm::vec4> samples, int width, int height, int supersampling) {
+  const ResolveTaps taps = resolve_taps(supersampling);
+  std::vector<glm::vec3> picture(static_cast<size_t>(width) * static_cast<size_t>(height));
+  const int columns = width * supersampling, rows = height * supersampling;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      glm::vec3 sum(0);
+      float weights = 0;
+      for (int j = 0; j < taps.count; ++j)
+        for (int i = 0; i < taps.count; ++i) {
+          const int sx = x * supersampling + taps.first + i, sy = y * supersampling + taps.first + j;
+          if (sx < 0 || sy < 0 || sx >= columns || sy >= rows) continue;
+          const float weight = taps.weight[static_cast<size_t>(i)] * taps.weight[static_cast<size_t>(j)];
+          sum += weight *
+                 glm::vec3(samples[static_cast<size_t>(rows - 1 - sy) * static_cast<size_t>(columns) + static_cast<size_t>(sx)]);
+          weights += weight;
+        }
+      picture[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)] = sum / weights;
+    }
+  return picture;
+}
+
+}  // namespace
+
+LinearTexture load_field_texture(const Store& store, const Field& field, int64_t flat) {
+  const StoreKey& key = field.textures.at(static_cast<size_t>(flat));
+  const auto image = store.load_planes(key);
+  if (!image || image->planes.size() != 3)
+    throw InputError("texture " + key.hex(), "it is not in the store, or damaged",
+                     "run the same command again, which infers what is missing");
+  LinearTexture texture{image->width, image->height, std::vector<glm::vec3>(image->planes[0].values.size())};
+  for (const LayeredImage::Plane& plane : image->planes) {
+    const int k = plane.name == "R" ? 0 : plane.name == "G" ? 1 : 2;
+    for (size_t i = 0; i < texture.texels.size(); ++i) texture.texels[i][k] = plane.values[i];
+  }
+  return texture;
+}
+
+LinearTexture load_object_texture(const Store& store, const Scene& scene, const Inference& inference, int drawn_object,
+                                  int64_t grid_sample) {
+  const DrawnObject& object = inference.objects.at(static_cast<size_t>(drawn_object));
+  LinearTexture sum{object.texture_width, object.texture_height, {}};
+  sum.texels.resize(static_cast<size_t>(sum.width) * static_cast<size_t>(sum.height));
+  for (const Field& field : inference.fields) {
+    if (field.drawn_object != drawn_object) continue;
+    const LinearTexture layer = load_field_texture(store, field, field_sample_of(scene.space(), field.axes, grid_sample));
+    for (size_t i = 0; i < sum.texels.size(); ++i) sum.texels[i] += layer.texels[i];
+  }
+  return sum;
+}
+
+hal::Texture upload_texture(hal::Gpu& gpu, SceneDrawer& drawer, const LinearTexture& texture, hal::TextureFormat format) {
+  const Pyramid pyramid(texture.width, texture.height);
+  const std::vector<Lanes<1>> texels = all_levels(pyramid, texture);
+  if (format == hal::TextureFormat::kRgba32f)
+    return create_pyramid_texture(gpu, drawer, pyramid, format, std::as_bytes(std::span(texels)));
+  std::vector<uint16_t> halves;
+  halves.reserve(4 * texels.size());
+  for (const Lanes<1>& texel : texels) {
+    for (size_t k = 0; k < 3; ++k) halves.push_back(half_from_float(texel[k]));
+    halves.push_back(kHalfOne);
+  }
+  return create_pyramid_texture(gpu, drawer, pyramid, hal::TextureFormat::kRgba16f, std::as_bytes(std::span(halves)));
+}
+
+std::vector<glm::vec3> draw_inferred(const Store& store, const Scene& scene, const Inference& inference,
+                                     const InferenceOptions& options, hal::Gpu& gpu, int64_t grid_sample) {
+  TestRenderer renderer(gpu, options, inference.objects);
+  std::vector<hal::Texture> textures;
+  for (size_t i = 0; i < inference.objects.size(); ++i)
+    textures.push_back(upload_texture(gpu, renderer.drawer(),
+                                      load_object_texture(store, scene, inference, static_cast<int>(i), grid_sample),
+                                      hal::TextureFormat::kRgba32f));
+  std::vector<glm::vec4> samples(static_cast<size_t>(renderer.width()) * static_cast<size_t>(renderer.height()));
+  const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
+  renderer.render(geometry_state_at(scene, grid_sample, inference.objects, aspect), textures, samples);
+  for (const hal::Texture texture : textures) gpu.destroy(texture);
+  return resolve(samples, options.width, options.height, options.supersampling);
+}
+
+}  // namespace vitrine

@@ -1,0 +1,41 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// What inference left in the store, and pictures drawn with it before any coding: the reference for how much of the error
+// of an image is inference's.
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "formats/parameter_space.h"
+#include "hal/gpu.h"
+#include "host/frames/store.h"
+#include "host/infer/inference.h"
+#include "host/scene/scene.h"
+#include "target/draw/scene_drawer.h"
+
+namespace vitrine {
+
+struct LinearTexture {
+  int width = 0, height = 0;
+  std::vector<glm::vec3> texels;  // linear radiance, rows v = 0 first
+};
+
+// The texture of a field at sample `flat` of its space. Throws InputError where the store has it no more.
+LinearTexture load_field_texture(const Store& store, const Field& field, int64_t flat);
+
+// The sum of all layers of a drawn object at a grid sample (flat number in the scene's space).
+LinearTexture load_object_texture(const Store& store, const Scene& scene, const Inference& inference, int drawn_object,
+                                  int64_t grid_sample);
+
+// A texture on the device with all MIP levels by decimation (target/mip.h), as the engine makes them. `format`: kRgba32f or
+// kRgba16f. Throws InputError where the device refuses.
+hal::Texture upload_texture(hal::Gpu& gpu, SceneDrawer& drawer, const LinearTexture& texture, hal::TextureFormat format);
+
+// The picture at a grid sample drawn with the inferred textures, resolved with the pixel filter: linear radiance, rows top
+// first, `options.width` x `options.height`.
+std::vector<glm::vec3> draw_inferred(const Store& store, const Scene& scene, const Inference& inference,
+                                     const InferenceOptions& options, hal::Gpu& gpu, int64_t grid_sample);
+
+}  // namespace vitrine

@@ -1,0 +1,121 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// Built-in profiles and profile files.
+#include <fmt/format.h>
+#include <toml++/toml.h>
+
+#include <array>
+#include <filesystem>
+#include <string_view>
+
+#include "host/base/error.h"
+#include "host/plan/plan.h"
+
+namespace vitrine {
+namespace {
+
+constexpr uint64_t kMiB = uint64_t{1} << 20;
+
+// Units: what one core decodes in the share of a frame that is left for it, rounded down by half for a machine that is warm
+// and busy. Uploads: a tenth of what the class of device copies in a second, by frame.
+const std::array<Profile, 4>& built_in_profiles() {
+  static const std::array<Profile, 4> profiles{{
+      {"osmesa-30", 8'000'000, 96 * kMiB, 1024 * kMiB, 2, 30},     // software GL on a server or laptop: tests, demos
+      {"kiosk-60", 4'000'000, 48 * kMiB, 512 * kMiB, 2, 60},       // small PC with integrated graphics
+      {"board-60", 1'000'000, 12 * kMiB, 128 * kMiB, 1, 60},       // 64-bit Arm board with GL ES 3.0
+      {"desktop-120", 4'000'000, 64 * kMiB, 1024 * kMiB, 3, 120},  // PC with a graphics card
+  }};
+  return profiles;
+}
+
+std::string built_in_names() {
+  std::string names;
+  for (const Profile& profile : built_in_profiles()) names += (names.empty() ? "" : ", ") + profile.name;
+  return names;
+}
+
+struct Key {
+  std::string_view name;
+  int64_t lowest, highest;
+};
+constexpr Key kUnits{"units_per_frame", 1, int64_t{1} << 40}, kUpload{"upload_bytes_per_frame", 1, int64_t{1} << 32},
+    kCache{"cache_bytes", 1, int64_t{1} << 32}, kSupersampling{"supersampling", 1, 4}, kRate{"frames_per_second", 1, 1000};
+
+// A TOML table, every key of which must be known and used.
+class ProfileFile {
+ public:
+  explicit ProfileFile(const std::string& path) : path_(path), table_(parse(path)) {
+    for (const auto& [key, value] : table_) {
+      if (key != "name" && !known(key))
+        throw InputError(path_, fmt::format("unknown key \"{}\"", key.str()),
+                         "use name, units_per_frame, upload_bytes_per_frame, cache_bytes, supersampling, frames_per_second");
+    }
+  }
+
+  int64_t required(const Key& key) const {
+    if (!table_.contains(key.name))
+      throw InputError(path_, fmt::format("\"{}\" is missing", key.name), fmt::format("add it: {} = ...", key.name));
+    return number(key);
+  }
+  int64_t optional(const Key& key, int64_t absent) const { return table_.contains(key.name) ? number(key) : absent; }
+
+  std::string name() const {
+    const toml::node* node = table_.get("name");
+    if (!node) return std::filesystem::path(path_).stem().string();
+    if (!node->is_string()) throw InputError(path_, "\"name\" is not a text", "write it in quotes");
+    return node->as_string()->get();
+  }
+
+ private:
+  static bool known(std::string_view key) {
+    for (const Key& k : {kUnits, kUpload, kCache, kSupersampling, kRate})
+      if (key == k.name) return true;
+    return false;
+  }
+
+  static toml::table parse(const std::string& path) {
+    try {
+      return toml::parse_file(path);
+    } catch (const toml::parse_error& error) {
+      throw InputError(fmt::format("{}:{}", path, error.source().begin.line), std::string(error.description()),
+                       "correct the TOML");
+    }
+  }
+
+  int64_t number(const Key& key) const {
+    const toml::node* node = table_.get(key.name);
+    const int64_t value = node->is_integer() ? node->as_integer()->get() : key.lowest - 1;
+    if (value < key.lowest || value > key.highest)
+      throw InputError(path_, fmt::format("\"{}\" is not a whole number from {} to {}", key.name, key.lowest, key.highest),
+                       "give it one");
+    return value;
+  }
+
+  std::string path_;
+  toml::table table_;
+};
+
+Profile read_profile(const std::string& path) {
+  const ProfileFile file(path);
+  Profile profile;
+  profile.name = file.name();
+  profile.units_per_frame = static_cast<uint64_t>(file.required(kUnits));
+  profile.upload_bytes_per_frame = static_cast<uint64_t>(file.required(kUpload));
+  profile.cache_bytes = static_cast<uint64_t>(file.required(kCache));
+  profile.supersampling = static_cast<int>(file.optional(kSupersampling, profile.supersampling));
+  profile.frames_per_second = static_cast<int>(file.optional(kRate, profile.frames_per_second));
+  return profile;
+}
+
+}  // namespace
+
+Profile load_profile(const std::string& name_or_path) {
+  for (const Profile& profile : built_in_profiles())
+    if (profile.name == name_or_path) return profile;
+  std::error_code error;
+  if (!std::filesystem::is_regular_file(name_or_path, error))
+    throw InputError(name_or_path, "no such profile", "use one of " + built_in_names() + ", or the path of a profile file");
+  return read_profile(name_or_path);
+}
+
+}  // namespace vitrine

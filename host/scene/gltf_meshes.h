@@ -1,0 +1,50 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// Meshes (glTF 2.0, section 3.7): primitives of a mesh become the triangles of one object. Vertices that no triangle uses
+// are left out, strips and fans are cut into triangles, triangles without area are dropped, morph targets and skins are
+// applied in their rest state.
+#pragma once
+
+#include <glm/mat4x4.hpp>
+#include <string>
+#include <vector>
+
+#include "host/scene/gltf_document.h"
+#include "host/scene/gltf_materials.h"
+#include "host/scene/scene.h"
+
+namespace vitrine {
+
+inline constexpr size_t kMostSceneVertices = 20'000'000;
+inline constexpr size_t kMostSceneTriangles = 20'000'000;
+
+// What a node adds to its mesh.
+struct MeshInstance {
+  int mesh = 0;
+  std::vector<float> weights;     // of the node; empty: those of the mesh
+  std::vector<glm::mat4> joints;  // object from bind space per joint; empty: not skinned
+};
+
+class GltfMeshes {
+ public:
+  // `variants`: indices of the material variants (of KHR_materials_variants) that the scene asks for.
+  GltfMeshes(GltfDocument& document, GltfMaterials& materials, std::vector<Material>* scene_materials, std::vector<int> variants)
+      : document_(document), materials_(materials), scene_materials_(scene_materials), variants_(std::move(variants)) {}
+
+  // Fills geometry and variant_materials. False where nothing of the mesh is a triangle (said in a warning).
+  bool read(const MeshInstance& instance, Object& object);
+
+ private:
+  void read_primitive(const JsonView& place, const std::vector<float>& weights, const MeshInstance& instance, Object& object);
+  std::vector<uint32_t> read_corners(const JsonView& place, size_t vertices, int64_t mode);
+  std::vector<int> materials_of(const JsonView& place);
+  void charge(size_t vertices, size_t triangles, const JsonView& place);
+
+  GltfDocument& document_;
+  GltfMaterials& materials_;
+  std::vector<Material>* scene_materials_;
+  std::vector<int> variants_;
+  size_t vertices_ = 0, triangles_ = 0;
+};
+
+}  // namespace vitrine

@@ -1,0 +1,263 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "host/trace/bsdf.h"
+
+#include "host/trace/fresnel.h"
+#include "host/trace/warp.h"
+
+namespace vitrine::trace {
+namespace {
+
+constexpr float kCoatF0 = 0.04f;  // index 1.5
+constexpr float kMinCosine = 1e-4f;
+constexpr float kNoLossAlpha = 0.01f;  // narrower lobes lose less than 1 / 1000 by single scattering
+
+// The shading normal, on wo's side and bent just far enough that wo sees its front (else the point would be black).
+glm::vec3 visible_normal(const glm::vec3& shading, const glm::vec3& wo) {
+  const float cosine = glm::dot(shading, wo);
+  return cosine > 0.01f ? shading : glm::normalize(shading + (0.01f - cosine) * wo);
+}
+
+glm::vec3 mirror(const glm::vec3& w, const glm::vec3& h) { return 2 * glm::dot(w, h) * h - w; }
+
+// A GGX reflection lobe of Fresnel 1: value without Fresnel, and density.
+struct Reflection {
+  glm::vec3 half;
+  float value, pdf;
+};
+Reflection reflection_of(const Ggx& ggx, const glm::vec3& wo, const glm::vec3& wi) {
+  const glm::vec3 h = glm::normalize(wo + wi);
+  const float d = ggx.density(h) / (4 * wo.z);
+  const float lambda_o = ggx.lambda(wo);
+  return {h, d / (1 + lambda_o + ggx.lambda(wi)), d / (1 + lambda_o)};
+}
+
+}  // namespace
+
+Bsdf::Bsdf(const SurfaceParameters& parameters, const glm::vec3& wo, const glm::vec3& geometric, const glm::vec3& shading,
+           const glm::vec3& coat)
+    : p_(parameters), wo_(wo), geometric_(geometric) {
+  const bool back = glm::dot(wo, geometric) < 0;
+  const float side = back ? -1.0f : 1.0f;
+  geometric_ = side * geometric;
+  base_ = Basis(visible_normal(side * shading, wo));
+  local_wo_ = base_.to_local(wo);
+  local_wo_.z = std::max(local_wo_.z, kMinCosine);
+  solid_ = p_.glass > 0 && !p_.thin;
+  inside_ = solid_ && back;
+  eta_ = inside_ ? 1 / p_.ior : p_.ior;
+
+  const ReflectionAlbedo albedo = reflection_albedo(local_wo_.z, p_.alpha);
+  float specular = 0;
+  prepare_specular(albedo, specular);
+  float coat_weight = 0;
+  if (p_.coat > 0) {
+    coat_ = Basis(visible_normal(side * coat, wo));
+    coat_wo_ = coat_.to_local(wo);
+    coat_wo_.z = std::max(coat_wo_.z, kMinCosine);
+    coat_weight = coat_share(coat_wo_.z).x;
+    base_share_ = 1 - coat_weight;
+  }
+  if (p_.glass > 0 && !glass_is_delta()) {
+    const float kept = p_.thin || !p_.glass_albedo ? albedo.white : p_.glass_albedo->lookup(local_wo_.z, p_.alpha, inside_);
+    glass_compensation_ = 1 / std::max(kept, 0.05f);
+  }
+
+  diffuse_weight_ = base_share_ * luminance(p_.diffuse);
+  specular *= base_share_;
+  const float glass = base_share_ * p_.glass;
+  specular_weight_ = specular + glass + coat_weight;
+  if (specular_weight_ > 0) {
+    specular_probability_ = specular / specular_weight_;
+    glass_probability_ = glass / specular_weight_;
+    coat_probability_ = coat_weight / specular_weight_;
+  }
+  has_dense_specular_ = (specular > 0 && !reflection_is_delta()) || (glass > 0 && !glass_is_delta()) ||
+                        (coat_weight > 0 && p_.coat_alpha >= kDeltaAlpha);
+}
+
+void Bsdf::prepare_specular(const ReflectionAlbedo& albedo, float& albedo_estimate) {
+  const float single = luminance(albedo.schlick(p_.specular_f0, p_.specular_f90));
+  albedo_estimate = single;
+  if (p_.alpha < kNoLossAlpha || p_.glass >= 1) return;
+  const float share = 1 - p_.glass, mean = mean_white_albedo(p_.alpha);
+  const glm::vec3 returned = share * multiple_scattering(p_.specular_f0 / share, p_.specular_f90 / share, mean);
+  if (max_component(returned) < 0.01f) return;  // dielectrics return next to nothing
+  multiple_ = returned * ((1 - albedo.white) / std::max(1 - mean, 1e-6f) * kInvPi);
+  const float multiple = luminance(returned) * (1 - albedo.white);
+  albedo_estimate = single + multiple;
+  multiple_chance_ = albedo_estimate > 0 ? multiple / albedo_estimate : 0;
+}
+
+bool Bsdf::glass_is_delta() const {
+  // Without a step in index rough refraction has no defined half vector, and nothing bends.
+  return p_.alpha < kDeltaAlpha || (!p_.thin && std::fabs(p_.ior - 1) < 1e-3f);
+}
+
+glm::vec3 Bsdf::coat_share(float cosine) const {
+  const ReflectionAlbedo albedo = reflection_albedo(cosine, p_.coat_alpha);
+  return p_.coat * albedo.schlick(glm::vec3(kCoatF0), glm::vec3(1));
+}
+
+void Bsdf::glass_split(float reflectance, glm::vec3& reflected, glm::vec3& transmitted, float& reflect_probability) const {
+  reflected = inside_ ? glm::vec3(reflectance) : glm::min(reflectance * p_.glass_reflectance, glm::vec3(1));
+  transmitted = reflectance >= 1 ? glm::vec3(0) : (1.0f - reflected) * p_.glass_tint;
+  const float r = luminance(reflected), t = luminance(transmitted);
+  reflect_probability = r + t > 0 ? r / (r + t) : 1;
+}
+
+BsdfValue Bsdf::evaluate(const glm::vec3& wi, Lobes lobes) const {
+  BsdfValue value;
+  const bool reflected = same_side(wi);
+  if (reflected && has_diffuse() && lobes != Lobes::kSpecular) add_diffuse(wi, value);
+  if (has_dense_specular_ && lobes != Lobes::kDiffuse) {
+    if (reflected && specular_probability_ > 0 && !reflection_is_delta()) add_specular(wi, value);
+    if (reflected && coat_probability_ > 0 && p_.coat_alpha >= kDeltaAlpha) add_coat(wi, value);
+    if (glass_probability_ > 0 && !glass_is_delta()) add_glass(wi, value);
+  }
+  return value;
+}
+
+void Bsdf::add_diffuse(const glm::vec3& wi, BsdfValue& value) const {
+  const float cosine = glm::dot(wi, base_.normal);
+  if (cosine <= 0) return;
+  glm::vec3 kept(1);
+  if (!is_black(p_.dielectric_f90)) {
+    const ReflectionAlbedo albedo = reflection_albedo(cosine, p_.alpha);
+    kept -= albedo.schlick(p_.dielectric_f0, p_.dielectric_f90);
+  }
+  if (p_.coat > 0) kept *= 1.0f - coat_share(std::max(glm::dot(wi, coat_.normal), 0.0f));
+  value.diffuse = p_.diffuse * glm::max(kept, glm::vec3(0)) * (cosine * kInvPi);
+  value.diffuse_pdf = cosine * kInvPi;
+}
+
+void Bsdf::add_specular(const glm::vec3& wi, BsdfValue& value) const {
+  const glm::vec3 local = base_.to_local(wi);
+  if (local.z <= 0) return;
+  const Reflection r = reflection_of(Ggx{p_.alpha}, local_wo_, local);
+  const float edge = schlick_weight(glm::dot(local_wo_, r.half));
+  value.specular += (p_.specular_f0 + edge * (p_.specular_f90 - p_.specular_f0)) * (base_share_ * r.value);
+  float pdf = r.pdf;
+  if (multiple_chance_ > 0) {
+    const float missed = 1 - reflection_albedo(local.z, p_.alpha).white;
+    value.specular += multiple_ * (base_share_ * missed * local.z);
+    pdf += multiple_chance_ * (local.z * kInvPi - r.pdf);
+  }
+  value.specular_pdf += specular_probability_ * pdf;
+}
+
+void Bsdf::add_coat(const glm::vec3& wi, BsdfValue& value) const {
+  const glm::vec3 local = coat_.to_local(wi);
+  if (local.z <= 0) return;
+  const Reflection r = reflection_of(Ggx{p_.coat_alpha}, coat_wo_, local);
+  const float fresnel = kCoatF0 + (1 - kCoatF0) * schlick_weight(glm::dot(coat_wo_, r.half));
+  value.specular += p_.coat * fresnel * r.value;
+  value.specular_pdf += coat_probability_ * r.pdf;
+}
+
+void Bsdf::add_glass(const glm::vec3& wi, BsdfValue& value) const {
+  const Ggx ggx{p_.alpha};
+  glm::vec3 local = base_.to_local(wi), reflected, transmitted;
+  float reflect_probability;
+  const float share = p_.glass * base_share_ * glass_compensation_;
+  const bool reflection = local.z > 0;
+  if (local.z == 0 || reflection != same_side(wi)) return;
+  if (reflection || p_.thin) {  // a thin wall transmits the mirror image of its reflection lobe
+    local.z = std::fabs(local.z);
+    const Reflection r = reflection_of(ggx, local_wo_, local);
+    glass_split(fresnel_dielectric(glm::dot(local_wo_, r.half), eta_), reflected, transmitted, reflect_probability);
+    value.specular += (reflection ? reflected : transmitted) * (share * r.value);
+    value.specular_pdf += glass_probability_ * (reflection ? reflect_probability : 1 - reflect_probability) * r.pdf;
+    return;
+  }
+  // Walter et al. 2007, eqs. 16, 17 and 21, in radiance: divided by the square of the relative index.
+  glm::vec3 h = glm::normalize(local_wo_ + local * eta_);
+  if (h.z < 0) h = -h;
+  const float out = glm::dot(local_wo_, h), in = glm::dot(local, h);
+  if (out <= 0 || in >= 0) return;
+  glass_split(fresnel_dielectric(out, eta_), reflected, transmitted, reflect_probability);
+  const float jacobian = -in / sqr(in + out / eta_);
+  const float d = ggx.density(h) * out * jacobian / local_wo_.z;
+  const float lambda_o = ggx.lambda(local_wo_);
+  value.specular += transmitted * (share * d / ((1 + lambda_o + ggx.lambda(local)) * eta_ * eta_));
+  value.specular_pdf += glass_probability_ * (1 - reflect_probability) * d / (1 + lambda_o);
+}
+
+bool Bsdf::sample_diffuse(const glm::vec2& u, BsdfSample& sample) const {
+  sample = {};
+  sample.wi = base_.to_world(cosine_hemisphere(u));
+  return same_side(sample.wi);
+}
+
+bool Bsdf::sample_specular(float lobe, const glm::vec2& u, BsdfSample& sample) const {
+  sample = {};
+  if (lobe < specular_probability_) {
+    if (reflection_is_delta()) {
+      const float edge = schlick_weight(local_wo_.z);
+      sample.wi = base_.to_world({-local_wo_.x, -local_wo_.y, local_wo_.z});
+      sample.weight = (p_.specular_f0 + edge * (p_.specular_f90 - p_.specular_f0)) * (base_share_ / specular_probability_);
+      sample.delta = true;
+      return same_side(sample.wi);
+    }
+    // The lobe's number tells single from multiple scattering, too.
+    const bool multiple = lobe < specular_probability_ * multiple_chance_;
+    sample.wi = base_.to_world(multiple ? cosine_hemisphere(u) : mirror(local_wo_, Ggx{p_.alpha}.sample_visible(local_wo_, u)));
+    return same_side(sample.wi);
+  }
+  if (lobe < specular_probability_ + glass_probability_) {
+    const float rest = (lobe - specular_probability_) / glass_probability_;
+    return glass_is_delta() ? sample_delta_glass(rest, sample) : sample_rough_glass(rest, u, sample);
+  }
+  if (p_.coat_alpha < kDeltaAlpha) {
+    sample.wi = coat_.to_world({-coat_wo_.x, -coat_wo_.y, coat_wo_.z});
+    sample.weight = coat_share(coat_wo_.z) / coat_probability_;
+    sample.delta = true;
+    return same_side(sample.wi);
+  }
+  sample.wi = coat_.to_world(mirror(coat_wo_, Ggx{p_.coat_alpha}.sample_visible(coat_wo_, u)));
+  return same_side(sample.wi);
+}
+
+bool Bsdf::sample_delta_glass(float lobe, BsdfSample& sample) const {
+  glm::vec3 reflected, transmitted;
+  float reflect_probability;
+  glass_split(fresnel_dielectric(local_wo_.z, eta_), reflected, transmitted, reflect_probability);
+  const float share = p_.glass * base_share_ / glass_probability_;
+  sample.delta = true;
+  if (lobe < reflect_probability) {
+    sample.wi = base_.to_world({-local_wo_.x, -local_wo_.y, local_wo_.z});
+    sample.weight = reflected * (share / reflect_probability);
+    return same_side(sample.wi);
+  }
+  sample.transmitted = true;
+  sample.weight = transmitted * (share / (1 - reflect_probability));
+  if (p_.thin) {
+    sample.wi = -wo_;
+    return true;
+  }
+  glm::vec3 local;
+  if (!refract(local_wo_, {0, 0, 1}, eta_, local)) return false;
+  sample.wi = base_.to_world(local);
+  sample.weight /= eta_ * eta_;
+  return !same_side(sample.wi);
+}
+
+bool Bsdf::sample_rough_glass(float lobe, const glm::vec2& u, BsdfSample& sample) const {
+  glm::vec3 reflected, transmitted;
+  float reflect_probability;
+  const glm::vec3 h = Ggx{p_.alpha}.sample_visible(local_wo_, u);
+  glass_split(fresnel_dielectric(glm::dot(local_wo_, h), eta_), reflected, transmitted, reflect_probability);
+  glm::vec3 local = mirror(local_wo_, h);
+  sample.transmitted = lobe >= reflect_probability;
+  if (sample.transmitted) {
+    if (p_.thin) {
+      local.z = -local.z;
+    } else if (!refract(local_wo_, h, eta_, local)) {
+      return false;
+    }
+  }
+  if ((local.z < 0) != sample.transmitted) return false;
+  sample.wi = base_.to_world(local);
+  return same_side(sample.wi) != sample.transmitted;
+}
+
+}  // namespace vitrine::trace

@@ -1,0 +1,76 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "host/trace/environment_light.h"
+
+namespace vitrine::trace {
+namespace {
+
+// theta from +Y in [0, pi], phi about +Y in [0, 2 pi).
+glm::vec3 direction_of(float theta, float phi) {
+  const float s = std::sin(theta);
+  return {s * std::sin(phi), std::cos(theta), s * std::cos(phi)};
+}
+
+}  // namespace
+
+EnvironmentLight::EnvironmentLight(const Environment& environment) : environment_(&environment) {
+  const int64_t texels = static_cast<int64_t>(environment.width) * environment.height;
+  if (texels <= 0 || environment.radiance.empty()) return;
+  if (texels == 1) {
+    constant_radiance_ = environment.radiance[0];
+    mean_luminance_ = luminance(constant_radiance_);
+    return;
+  }
+  constant_ = false;
+  columns_ = std::clamp(environment.width, 16, 1024);
+  rows_ = std::clamp(environment.height, 8, 512);
+  std::vector<float> weights(static_cast<size_t>(columns_) * static_cast<size_t>(rows_));
+  double sum = 0, solid_angle = 0;
+  for (int y = 0; y < rows_; ++y) {
+    const float sin_theta = std::sin(kPi * (static_cast<float>(y) + 0.5f) / static_cast<float>(rows_));
+    for (int x = 0; x < columns_; ++x) {
+      float mean = 0;
+      for (int s = 0; s < 4; ++s) {  // 2 x 2 points of the cell
+        const float theta = kPi * (static_cast<float>(y) + 0.25f + 0.5f * static_cast<float>(s / 2)) / static_cast<float>(rows_);
+        const float phi =
+            2 * kPi * (static_cast<float>(x) + 0.25f + 0.5f * static_cast<float>(s % 2)) / static_cast<float>(columns_);
+        mean += 0.25f * luminance(environment.lookup(direction_of(theta, phi)));
+      }
+      weights[static_cast<size_t>(y * columns_ + x)] = mean * sin_theta;
+      sum += mean * sin_theta;
+      solid_angle += sin_theta;
+    }
+  }
+  mean_luminance_ = static_cast<float>(sum / solid_angle);
+  if (!(sum > 0)) return;
+  // A floor keeps the density positive wherever interpolation could carry light.
+  for (size_t i = 0; i < weights.size(); ++i) {
+    const float sin_theta =
+        std::sin(kPi * (static_cast<float>(i / static_cast<size_t>(columns_)) + 0.5f) / static_cast<float>(rows_));
+    weights[i] += 0.02f * mean_luminance_ * sin_theta;
+  }
+  table_ = AliasTable(weights);
+}
+
+float EnvironmentLight::density(int cell, float sin_theta) const {
+  const auto cells = static_cast<float>(columns_) * static_cast<float>(rows_);
+  return table_.probability(cell) * cells / (2 * kPi * kPi * std::max(sin_theta, 1e-6f));
+}
+
+glm::vec3 EnvironmentLight::sample(float pick, const glm::vec2& u, float& pdf) const {
+  const int cell = table_.sample(pick);
+  const float theta = kPi * (static_cast<float>(cell / columns_) + u.y) / static_cast<float>(rows_);
+  const float phi = 2 * kPi * (static_cast<float>(cell % columns_) + u.x) / static_cast<float>(columns_);
+  pdf = density(cell, std::sin(theta));
+  return direction_of(theta, phi);
+}
+
+float EnvironmentLight::pdf(const glm::vec3& direction) const {
+  const float theta = std::acos(std::clamp(direction.y, -1.0f, 1.0f));
+  const float phi = std::atan2(direction.x, direction.z);
+  const int y = std::clamp(static_cast<int>(theta / kPi * static_cast<float>(rows_)), 0, rows_ - 1);
+  const float wrapped = (phi < 0 ? phi + 2 * kPi : phi) / (2 * kPi);
+  const int x = std::clamp(static_cast<int>(wrapped * static_cast<float>(columns_)), 0, columns_ - 1);
+  return density(y * columns_ + x, safe_sqrt(1 - direction.y * direction.y));
+}
+
+}  // namespace vitrine::trace

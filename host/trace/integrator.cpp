@@ -1,0 +1,318 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "host/trace/integrator.h"
+
+namespace vitrine::trace {
+namespace {
+
+constexpr int kMaxScatterings = 64;
+constexpr int kMaxVertices = 256;  // with surfaces that are passed through
+constexpr int kCandidates = 4;
+constexpr int kRouletteFrom = 2;         // scatterings after which paths may end early
+constexpr float kStraightAlpha = 0.25f;  // lobes this wide take light straight through glass
+
+float power_heuristic(float a, float b) {
+  const float a2 = a * a, b2 = b * b;
+  return a2 > 0 ? a2 / (a2 + b2) : 0.0f;
+}
+
+// A ray may start this far on the side of `direction`.
+glm::vec3 leave(const Surface& s, const glm::vec3& direction) {
+  return s.position + s.geometric * (glm::dot(s.geometric, direction) < 0 ? -s.margin : s.margin);
+}
+
+// Whether light that passes the surface's glass changes direction.
+bool bends(const ShadingMaterial& m) { return m.solid || !m.smooth; }
+
+// Whether wi points into the solid that the surface bounds. Lights are not sampled there: from inside, refraction decides.
+bool points_inside(const Bsdf& bsdf, const glm::vec3& wi) { return bsdf.solid() && bsdf.same_side(wi) == bsdf.inside(); }
+
+Bsdf make_bsdf(const World& world, const Surface& s, const glm::vec4& base_color, const glm::vec3& wo) {
+  const SurfaceParameters p = parameters_at(world.scene(), *s.material, s.point, glm::vec3(base_color));
+  return Bsdf(p, wo, s.geometric, s.shading, s.coat);
+}
+
+glm::vec2 rotated(const glm::vec2& u, int j) {  // the R2 sequence of Roberts 2018
+  const glm::vec2 v = u + static_cast<float>(j) * glm::vec2(0.7548777f, 0.5698403f);
+  return v - glm::floor(v);
+}
+
+bool survives_roulette(Path& path, float probability, float u) {
+  if (probability >= 1) return true;
+  if (u >= probability) return false;
+  path.throughput /= probability;
+  return true;
+}
+
+// What is lost in the medium of the segment that ended at `surface`.
+void absorb(Path& path, const Surface& surface, float distance) {
+  const bool unknown_inside = path.media.empty() && surface.back && surface.material->solid;
+  const glm::vec3 absorption = unknown_inside ? surface.material->absorption : path.media.absorption();
+  if (!is_black(absorption)) path.throughput *= glm::exp(-absorption * distance);
+}
+
+glm::vec3 bounded(const glm::vec3& light, float bound) {
+  const float peak = max_component(light);
+  return bound > 0 && peak > bound ? light * (bound / peak) : light;
+}
+
+}  // namespace
+
+struct Integrator::Candidate {
+  LightSample light;
+  BsdfValue value;
+};
+
+Integrator::Integrator(const World& world, const Lights& lights, const PathSettings& settings)
+    : world_(world),
+      lights_(lights),
+      settings_(settings),
+      sample_lights_(!lights.empty() && settings.strategy != LightStrategy::kScatteringOnly) {}
+
+CameraSample Integrator::backdrop(const glm::vec3& direction) const {
+  const Scene& scene = world_.scene();
+  const bool painted = world_.backdrop() >= 0 && !scene.background_is_environment;
+  return {world_.backdrop(), painted ? scene.background_color : lights_.environment().radiance(direction), glm::vec3(0)};
+}
+
+CameraSample Integrator::trace(const Ray& camera_ray, Sampler& sampler) const {
+  Hit hit;
+  if (!world_.intersect(camera_ray, hit)) return backdrop(camera_ray.direction);
+  const Surface surface = world_.surface_at(camera_ray, hit);
+  CameraSample result;
+  result.object = surface.object;
+  Path path;
+  path.ray = camera_ray;
+  absorb(path, surface, hit.distance);
+  sampler.start_vertex(0, path.vertex++);
+  if (advance_through_cut(surface, hit, path, sampler)) {
+    result.specular = follow(path, sampler);
+    return result;
+  }
+  const glm::vec4 base = base_color_at(world_.scene(), *surface.material, surface.point);
+  if (surface.material->source->unlit) {
+    result.diffuse = glm::vec3(base);
+    return result;
+  }
+  result.diffuse = world_.emission_of(surface);
+
+  // Split: both lobes share one light sample, then each goes its own way.
+  const Bsdf bsdf = make_bsdf(world_, surface, base, -camera_ray.direction);
+  const Direct direct = sample_lights(path, surface, bsdf, true, sampler);
+  result.diffuse += direct.diffuse;
+  result.specular += direct.specular;
+  if (bsdf.has_diffuse()) {
+    Path diffuse = path;
+    diffuse.stream = 1;
+    sampler.start_vertex(diffuse.stream, 0);
+    if (scatter(diffuse, surface, bsdf, Continuation::kDiffuse, sampler)) result.diffuse += follow(diffuse, sampler);
+  }
+  if (bsdf.has_specular()) {
+    path.stream = 2;
+    sampler.start_vertex(path.stream, 0);
+    const float chance = std::clamp(4 * bsdf.specular_albedo(), 0.1f, 1.0f);
+    if (survives_roulette(path, chance, sampler.get1d()) && scatter(path, surface, bsdf, Continuation::kSpecular, sampler)) {
+      result.specular += follow(path, sampler);
+    }
+  }
+  return result;
+}
+
+glm::vec3 Integrator::follow(Path& path, Sampler& sampler) const {
+  glm::vec3 direct(0), indirect(0);
+  const auto add = [&](const glm::vec3& light, bool is_direct) { (is_direct ? direct : indirect) += path.throughput * light; };
+  for (; path.vertex < kMaxVertices; ++path.vertex) {
+    // Find the next surface, or the environment.
+    Hit hit;
+    if (!world_.intersect(path.ray, hit)) {
+      add(escaped(path), path.scatterings <= 1);
+      break;
+    }
+    const Surface surface = world_.surface_at(path.ray, hit);
+    absorb(path, surface, hit.distance);
+    sampler.start_vertex(path.stream, path.vertex);
+    if (advance_through_cut(surface, hit, path, sampler)) continue;
+
+    // Light that the surface gives by itself.
+    path.travelled += hit.distance;
+    const glm::vec4 base = base_color_at(world_.scene(), *surface.material, surface.point);
+    if (surface.material->source->unlit) {
+      if (path.seen) add(glm::vec3(base), true);
+      break;
+    }
+    if (surface.material->emits) add(emitted(path, surface), path.scatterings <= 1);
+    if (path.scatterings >= kMaxScatterings) break;
+
+    // Light that it scatters, from lights directly and from wherever the path goes on.
+    const Bsdf bsdf = make_bsdf(world_, surface, base, -path.ray.direction);
+    const Direct sampled = sample_lights(path, surface, bsdf, false, sampler);
+    add(sampled.diffuse + sampled.specular, path.scatterings == 0);
+    if (!scatter(path, surface, bsdf, Continuation::kEither, sampler)) break;
+    if (path.scatterings < kRouletteFrom) continue;
+    if (!survives_roulette(path, max_component(path.throughput) * path.radiance_scale, sampler.get1d())) break;
+  }
+  return direct + bounded(indirect, settings_.max_radiance);
+}
+
+bool Integrator::advance_through_cut(const Surface& surface, const Hit& hit, Path& path, Sampler& sampler) const {
+  if (!surface.material->cut) return false;
+  const float alpha = alpha_at(*surface.material, base_color_at(world_.scene(), *surface.material, surface.point));
+  if (sampler.get1d() < alpha) return false;
+  path.ray.origin = leave(surface, path.ray.direction);
+  path.ray.t_min = 0;
+  path.travelled += hit.distance;
+  return true;
+}
+
+// The weight of light that a scattered ray found, whose source sample_lights() would have found with `light_pdf`.
+glm::vec3 Integrator::found_weight(const Path& path, float light_pdf) const {
+  if (!sample_lights_ || light_pdf <= 0) return glm::vec3(1);
+  if (!path.lights_sampled) return path.share;
+  if (settings_.strategy == LightStrategy::kLightsOnly) return glm::vec3(0);
+  return path.share * power_heuristic(path.pdf, light_pdf);
+}
+
+glm::vec3 Integrator::emitted(const Path& path, const Surface& surface) const {
+  const glm::vec3 emission = world_.emission_of(surface);
+  if (is_black(emission)) return emission;
+  return emission * found_weight(path, lights_.surface_pdf(surface, path.ray.direction, path.travelled));
+}
+
+glm::vec3 Integrator::escaped(const Path& path) const {
+  const glm::vec3 radiance = lights_.environment().radiance(path.ray.direction);
+  if (!lights_.environment_sampled()) return radiance;
+  return radiance * found_weight(path, lights_.environment_pdf(path.ray.direction));
+}
+
+Integrator::Direct Integrator::sample_lights(const Path& path, const Surface& surface, const Bsdf& bsdf, bool split,
+                                             Sampler& sampler) const {
+  if (!sample_lights_ || !bsdf.has_density()) return {};
+  const float pick = sampler.get1d();
+  const glm::vec2 point = sampler.get2d();
+  float choice = sampler.get1d();
+  const int count = lights_.single() ? 1 : kCandidates;
+
+  // Draw candidates and keep one in proportion to what it would give if nothing were in the way.
+  Candidate kept;
+  float sum = 0, kept_target = 0;
+  for (int j = 0; j < count; ++j) {
+    Candidate c;
+    const float stratum = std::min((pick + static_cast<float>(j)) / static_cast<float>(count), 0x1.fffffep-1f);
+    if (!lights_.sample(surface.position, stratum, rotated(point, j), c.light)) continue;
+    if (points_inside(bsdf, c.light.wi)) continue;
+    c.value = bsdf.evaluate(c.light.wi);
+    if (!bsdf.same_side(c.light.wi)) c.value.specular *= path.share * path.share_behind_glass;
+    const Direct light = weigh(c, bsdf, split);
+    const float target = luminance(light.diffuse + light.specular);
+    if (!(target > 0)) continue;
+    sum += target;
+    const float chance = target / sum;
+    if (choice < chance) {
+      kept = c;
+      kept_target = target;
+      choice /= chance;
+    } else {
+      choice = (choice - chance) / (1 - chance);
+    }
+  }
+  if (!(sum > 0)) return {};
+
+  const glm::vec3 origin = leave(surface, kept.light.wi);
+  const float reach = std::isfinite(kept.light.distance) ? kept.light.distance * 0.9999f - surface.margin : kept.light.distance;
+  const bool straight = settings_.straight_shadows &&
+                        (!is_black(kept.value.diffuse) || bsdf.wide(kStraightAlpha) || kept.light.punctual);
+  const Shadow shadow = world_.shadow({origin, kept.light.wi, 0, std::max(reach, 0.0f)}, straight, path.media.absorption());
+  if (is_black(shadow.transmittance)) return {};
+  Direct light = shadow.through_glass ? weigh_through_glass(kept, bsdf) : weigh(kept, bsdf, split);
+  const glm::vec3 scale = shadow.transmittance * (sum / (static_cast<float>(count) * kept_target));
+  light.diffuse *= scale;
+  light.specular *= scale;
+  return light;
+}
+
+Integrator::Direct Integrator::weigh(const Candidate& c, const Bsdf& bsdf, bool split) const {
+  const glm::vec3 light = c.light.radiance / c.light.pdf;
+  if (c.light.punctual || settings_.strategy == LightStrategy::kLightsOnly)
+    return {c.value.diffuse * light, c.value.specular * light};
+  float diffuse_pdf = c.value.diffuse_pdf, specular_pdf = c.value.specular_pdf;
+  if (!split) {
+    const float p = bsdf.diffuse_probability();
+    diffuse_pdf = specular_pdf = p * diffuse_pdf + (1 - p) * specular_pdf;
+  }
+  return {c.value.diffuse * light * power_heuristic(c.light.pdf, diffuse_pdf),
+          c.value.specular * light * power_heuristic(c.light.pdf, specular_pdf)};
+}
+
+Integrator::Direct Integrator::weigh_through_glass(const Candidate& c, const Bsdf& bsdf) const {
+  const glm::vec3 light = c.light.radiance / c.light.pdf;
+  const bool all = c.light.punctual || bsdf.wide(kStraightAlpha);  // no scattered ray could find a punctual light
+  return {c.value.diffuse * light, all ? c.value.specular * light : glm::vec3(0)};
+}
+
+bool Integrator::scatter(Path& path, const Surface& surface, const Bsdf& bsdf, Continuation continuation,
+                         Sampler& sampler) const {
+  const glm::vec2 u = sampler.get2d();
+  float lobe = sampler.get1d();
+  float diffuse_chance = continuation == Continuation::kDiffuse ? 1.0f : 0.0f;
+  if (continuation == Continuation::kEither) {
+    if (!bsdf.has_diffuse() && !bsdf.has_specular()) return false;
+    diffuse_chance = bsdf.diffuse_probability();
+  }
+  BsdfSample sample;
+  if (lobe < diffuse_chance) {
+    if (!bsdf.sample_diffuse(u, sample)) return false;
+  } else {
+    lobe = std::min((lobe - diffuse_chance) / (1 - diffuse_chance), 0x1.fffffep-1f);
+    if (!bsdf.sample_specular(lobe, u, sample)) return false;
+  }
+
+  BsdfValue value;
+  float pdf = 0;
+  if (sample.delta) {
+    path.throughput *= sample.weight / (1 - diffuse_chance);
+  } else {
+    value = bsdf.evaluate(sample.wi, diffuse_chance == 1   ? Lobes::kDiffuse
+                                     : diffuse_chance == 0 ? Lobes::kSpecular
+                                                           : Lobes::kAll);
+    pdf = diffuse_chance * value.diffuse_pdf + (1 - diffuse_chance) * value.specular_pdf;
+    if (!(pdf > 0)) return false;
+    path.throughput *= (value.diffuse + value.specular) / pdf;
+  }
+  if (!(max_component(path.throughput) > 0)) return false;
+  continue_path(path, surface, bsdf, sample, value, pdf);
+  return true;
+}
+
+void Integrator::continue_path(Path& path, const Surface& surface, const Bsdf& bsdf, const BsdfSample& sample,
+                               const BsdfValue& value, float pdf) const {
+  path.ray = {leave(surface, sample.wi), sample.wi};
+  ++path.scatterings;
+  const bool bent = sample.transmitted && bends(*surface.material);
+  if (sample.transmitted && !bent) return;  // straight on through a pane: lights were sampled through it, too
+
+  path.travelled = 0;
+  path.pdf = pdf;
+  path.lights_sampled = sample_lights_ && !sample.delta && !points_inside(bsdf, sample.wi);
+  path.seen = path.seen && sample.delta;
+  if (bent) {
+    path.share *= path.share_behind_glass;
+    path.share_behind_glass = glm::vec3(1);
+  } else {
+    path.share = glm::vec3(1);
+    path.share_behind_glass = glm::vec3(1);
+    if (path.lights_sampled && settings_.straight_shadows) {
+      const glm::vec3 kept = bsdf.wide(kStraightAlpha) ? glm::vec3(0) : value.specular;
+      path.share_behind_glass = kept / glm::max(value.diffuse + value.specular, glm::vec3(1e-20f));
+    }
+  }
+  if (!bent || !bsdf.solid()) return;
+  const float ior = surface.material->source->ior;
+  if (bsdf.inside()) {
+    path.media.leave(surface.object);
+    path.radiance_scale /= ior * ior;
+  } else {
+    path.media.enter(surface.object, surface.material->absorption);
+    path.radiance_scale *= ior * ior;
+  }
+}
+
+}  // namespace vitrine::trace

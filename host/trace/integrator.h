@@ -1,0 +1,72 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// Path tracing from the camera with next-event estimation and multiple importance sampling (Veach 1997, power heuristic).
+//
+// Layers. The first surface that a camera ray meets decides the object. There the path splits: one continues by the diffuse
+// lobe and fills `diffuse` (with the surface's emission), one by all other lobes and fills `specular`. Later vertices draw one
+// lobe at random. What lies behind a cut-out or blended first surface belongs to that surface's `specular`.
+//
+// Lights. A vertex draws up to four candidate points of lights, keeps one by its unshadowed contribution (resampling, Talbot et
+// al. 2005; the MIS weights are inside, so the estimate stays unbiased) and sends one shadow ray.
+//
+// Glass in the way of a shadow ray. For diffuse and rough lobes (alpha >= 1/4) light goes straight through, losing Fresnel
+// reflection, tint and absorption on its way ("straight-through shadows"); the refracted paths that such lobes start are then
+// not counted again. THIS IS A BIAS: light keeps its total but is not focused, there are no caustics of mesh and punctual lights
+// through glass. Lobes narrower than that see true refraction, and a constant environment is never sampled as a light, so its
+// light is refracted truly. Reflections keep their caustics, which a small lamp may make noisy; Settings::max_radiance bounds
+// what one path may bring beyond direct light (a bias too; off by default).
+#pragma once
+
+#include "host/trace/lights.h"
+#include "host/trace/path.h"
+#include "host/trace/sampler.h"
+
+namespace vitrine::trace {
+
+enum class LightStrategy : uint8_t { kBoth, kLightsOnly, kScatteringOnly };
+
+struct PathSettings {
+  float max_radiance = 0;                         // of one path's indirect light; 0: unbounded
+  LightStrategy strategy = LightStrategy::kBoth;  // other values are for tests
+  bool straight_shadows = true;                   // false: true caustics, noisy, and none from punctual lights
+};
+
+// Radiance along one camera ray.
+struct CameraSample {
+  int object = -1;  // index into Scene::objects, or -1 where nothing is met
+  glm::vec3 diffuse{0}, specular{0};
+};
+
+class Integrator {
+ public:
+  Integrator(const World& world, const Lights& lights, const PathSettings& settings);
+  // Draws from sampler vertex 1 on; vertex 0 is the camera's.
+  CameraSample trace(const Ray& camera_ray, Sampler& sampler) const;
+
+ private:
+  struct Direct {
+    glm::vec3 diffuse{0}, specular{0};
+  };
+  struct Candidate;
+  enum class Continuation : uint8_t { kDiffuse, kSpecular, kEither };
+
+  CameraSample backdrop(const glm::vec3& direction) const;
+  glm::vec3 follow(Path& path, Sampler& sampler) const;
+  bool advance_through_cut(const Surface& surface, const Hit& hit, Path& path, Sampler& sampler) const;
+  glm::vec3 emitted(const Path& path, const Surface& surface) const;
+  glm::vec3 escaped(const Path& path) const;
+  glm::vec3 found_weight(const Path& path, float light_pdf) const;
+  Direct sample_lights(const Path& path, const Surface& surface, const Bsdf& bsdf, bool split, Sampler& sampler) const;
+  Direct weigh(const Candidate& candidate, const Bsdf& bsdf, bool split) const;
+  Direct weigh_through_glass(const Candidate& candidate, const Bsdf& bsdf) const;
+  bool scatter(Path& path, const Surface& surface, const Bsdf& bsdf, Continuation continuation, Sampler& sampler) const;
+  void continue_path(Path& path, const Surface& surface, const Bsdf& bsdf, const BsdfSample& sample, const BsdfValue& value,
+                     float pdf) const;
+
+  const World& world_;
+  const Lights& lights_;
+  PathSettings settings_;
+  bool sample_lights_;
+};
+
+}  // namespace vitrine::trace

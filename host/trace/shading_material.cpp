@@ -1,0 +1,144 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "host/trace/shading_material.h"
+
+#include "host/trace/fresnel.h"
+
+namespace vitrine::trace {
+namespace {
+
+using Albedos = std::map<float, std::shared_ptr<const GlassAlbedo>>;
+
+// glTF: an ior of 0 stands for infinity.
+float index_of(const Material& m) { return m.ior == 0 ? 1e4f : std::max(m.ior, 1.0f); }
+float dielectric_f0(const Material& m) { return sqr((index_of(m) - 1) / (index_of(m) + 1)); }
+
+glm::vec3 absorption_of(const Material& m) {
+  if (m.attenuation_distance <= 0 || !std::isfinite(m.attenuation_distance)) return glm::vec3(0);
+  return -glm::log(glm::clamp(m.attenuation_color, glm::vec3(1e-6f), glm::vec3(1))) / m.attenuation_distance;
+}
+
+ShadingMaterial prepare(const Material& m, Albedos& albedos) {
+  ShadingMaterial s;
+  s.source = &m;
+  s.transmits = m.transmission > 0 && m.metallic < 1 && !m.unlit;
+  s.solid = s.transmits && m.thickness > 0;
+  s.cut = m.alpha_mode != AlphaMode::kOpaque;
+  s.emits = !m.unlit && max_component(m.emissive) > 0;
+  s.culled = !m.double_sided && !s.transmits;
+  s.plain = !s.transmits && !s.cut && !s.culled;
+  s.smooth = sqr(m.roughness) < kDeltaAlpha;
+  if (!s.solid) return s;
+  s.absorption = absorption_of(m);
+  if (s.smooth) return s;
+  auto& albedo = albedos[m.ior];
+  if (!albedo) albedo = std::make_shared<const GlassAlbedo>(index_of(m));
+  s.glass_albedo = albedo;
+  return s;
+}
+
+// metallic, roughness
+glm::vec2 metallic_roughness_at(const Scene& scene, const Material& m, const SurfacePoint& point) {
+  glm::vec2 mr(m.metallic, m.roughness);
+  if (m.metallic_roughness_texture) {
+    const glm::vec4 t = fetch_linear(scene, m.metallic_roughness_texture, point.uv);
+    mr *= glm::vec2(t.b, t.g);
+  }
+  return glm::clamp(mr, glm::vec2(0), glm::vec2(1));
+}
+
+float transmission_at(const Scene& scene, const Material& m, const SurfacePoint& point) {
+  if (m.transmission <= 0) return 0;
+  return m.transmission * (m.transmission_texture ? fetch_linear(scene, m.transmission_texture, point.uv).r : 1.0f);
+}
+
+}  // namespace
+
+std::vector<ShadingMaterial> prepare_materials(const Scene& scene) {
+  static const Material plain;
+  Albedos albedos;
+  std::vector<ShadingMaterial> prepared;
+  prepared.reserve(scene.materials.size() + 1);
+  for (const Material& m : scene.materials) prepared.push_back(prepare(m, albedos));
+  prepared.push_back(prepare(plain, albedos));
+  return prepared;
+}
+
+glm::vec4 base_color_at(const Scene& scene, const ShadingMaterial& material, const SurfacePoint& point) {
+  const Material& m = *material.source;
+  glm::vec4 color = m.base_color * point.color;
+  if (m.base_color_texture) color *= fetch_srgb(scene, m.base_color_texture, point.uv);
+  return color;
+}
+
+float alpha_at(const ShadingMaterial& material, const glm::vec4& base_color) {
+  switch (material.source->alpha_mode) {
+    case AlphaMode::kOpaque:
+      return 1;
+    case AlphaMode::kMask:
+      return base_color.a >= material.source->alpha_cutoff ? 1.0f : 0.0f;
+    case AlphaMode::kBlend:
+      return std::clamp(base_color.a, 0.0f, 1.0f);
+  }
+  return 1;
+}
+
+glm::vec3 emission_at(const Scene& scene, const ShadingMaterial& material, const SurfacePoint& point) {
+  const Material& m = *material.source;
+  if (!m.emissive_texture) return m.emissive;
+  return m.emissive * glm::vec3(fetch_srgb(scene, m.emissive_texture, point.uv));
+}
+
+glm::vec3 covered_emission_at(const Scene& scene, const ShadingMaterial& material, const SurfacePoint& point) {
+  const glm::vec3 emission = emission_at(scene, material, point);
+  return material.cut ? emission * alpha_at(material, base_color_at(scene, material, point)) : emission;
+}
+
+SurfaceParameters parameters_at(const Scene& scene, const ShadingMaterial& material, const SurfacePoint& point,
+                                const glm::vec3& base_color) {
+  const Material& m = *material.source;
+  const glm::vec2 mr = metallic_roughness_at(scene, m, point);
+  const float metallic = mr.x;
+  const float transmission = transmission_at(scene, m, point);
+  float specular = m.specular;
+  if (m.specular_texture) specular *= fetch_linear(scene, m.specular_texture, point.uv).a;
+  glm::vec3 specular_color = m.specular_color;
+  if (m.specular_color_texture) specular_color *= glm::vec3(fetch_srgb(scene, m.specular_color_texture, point.uv));
+
+  const glm::vec3 base = glm::clamp(base_color, glm::vec3(0), glm::vec3(1));
+  SurfaceParameters p;
+  p.alpha = sqr(mr.y);
+  p.ior = index_of(m);
+  p.dielectric_f0 = specular * glm::min(dielectric_f0(m) * specular_color, glm::vec3(1));
+  p.dielectric_f90 = glm::vec3(specular);
+  const float opaque = (1 - metallic) * (1 - transmission);
+  p.diffuse = base * opaque;
+  p.specular_f0 = opaque * p.dielectric_f0 + metallic * base;
+  p.specular_f90 = opaque * p.dielectric_f90 + glm::vec3(metallic);
+  p.glass = (1 - metallic) * transmission;
+  p.glass_tint = base;
+  p.glass_reflectance = specular * specular_color;
+  p.thin = !material.solid;
+  p.glass_albedo = material.glass_albedo.get();
+  p.coat = m.clearcoat;
+  if (p.coat > 0) {
+    if (m.clearcoat_texture) p.coat *= fetch_linear(scene, m.clearcoat_texture, point.uv).r;
+    float roughness = m.clearcoat_roughness;
+    if (m.clearcoat_roughness_texture) roughness *= fetch_linear(scene, m.clearcoat_roughness_texture, point.uv).g;
+    p.coat_alpha = sqr(std::clamp(roughness, 0.0f, 1.0f));
+  }
+  return p;
+}
+
+glm::vec3 straight_transmittance(const Scene& scene, const ShadingMaterial& material, const SurfacePoint& point,
+                                 const glm::vec3& base_color, float cosine, bool inside) {
+  const Material& m = *material.source;
+  const float metallic = m.metallic <= 0 ? 0 : metallic_roughness_at(scene, m, point).x;
+  const float share = (1 - metallic) * transmission_at(scene, m, point);
+  // Leaving at an angle of total reflection would be black; the straight line stands for the refracted path, which does leave.
+  const float reflectance =
+      fresnel_dielectric(inside ? safe_sqrt(1 - (1 - cosine * cosine) / sqr(index_of(m))) : cosine, index_of(m));
+  const glm::vec3 reflected = glm::min(reflectance * m.specular * m.specular_color, glm::vec3(1));
+  return share * (1.0f - reflected) * base_color;
+}
+
+}  // namespace vitrine::trace

@@ -1,0 +1,236 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "host/trace/world.h"
+
+#include <cstring>
+#include <glm/gtc/matrix_inverse.hpp>
+#include <glm/gtc/type_ptr.hpp>
+#include <stdexcept>
+
+#include "host/trace/ray_filter.h"
+
+namespace vitrine::trace {
+namespace {
+
+glm::vec3 transform_point(const glm::mat4& m, const glm::vec3& p) { return glm::vec3(m * glm::vec4(p, 1)); }
+
+float largest_coordinate(const glm::vec3& p) { return max_component(glm::abs(p)); }
+
+// A buffer that Embree owns: its loads may run past the last vertex, which user memory would have to be padded for.
+template <typename T>
+void copy_buffer(RTCGeometry geometry, RTCBufferType type, RTCFormat format, const T* data, size_t bytes, size_t stride) {
+  void* target = rtcSetNewGeometryBuffer(geometry, type, 0, format, stride, bytes / stride);
+  if (!target) throw std::bad_alloc();
+  std::memcpy(target, data, bytes);
+}
+
+RTCRay embree_ray(const Ray& ray) {
+  return {ray.origin.x,
+          ray.origin.y,
+          ray.origin.z,
+          ray.t_min,
+          ray.direction.x,
+          ray.direction.y,
+          ray.direction.z,
+          0,
+          ray.t_max,
+          0xffffffffu,
+          0,
+          0};
+}
+
+// A perturbed normal in the tangent frame of a surface (glTF 2.0, 3.9.3).
+glm::vec3 normal_from_map(const Scene& scene, const TextureRef& map, float scale, const TexCoords& uv, const glm::vec3& tangent,
+                          const glm::vec3& bitangent, const glm::vec3& normal) {
+  glm::vec3 n = glm::vec3(fetch_linear(scene, map, uv)) * 2.0f - 1.0f;
+  n.x *= scale;
+  n.y *= scale;
+  const glm::vec3 world = n.x * tangent + n.y * bitangent + std::max(n.z, 1e-3f) * normal;
+  const float length = glm::length(world);
+  return length > 0 ? world / length : normal;
+}
+
+}  // namespace
+
+const ShadingMaterial& PosedObject::material(size_t triangle) const {
+  const int index = triangle_materials[triangle];
+  return materials[index < 0 ? material_count - 1 : static_cast<size_t>(index)];
+}
+
+SurfacePoint PosedObject::point_at(int triangle, float u, float v) const {
+  const Geometry& g = object->geometry;
+  const uint32_t* corner = &g.indices[3 * static_cast<size_t>(triangle)];
+  const float w = 1 - u - v;
+  SurfacePoint point;
+  for (size_t set = 0; set < 2; ++set) {
+    const auto& t = g.texcoords[set];
+    if (!t.empty()) point.uv[set] = w * t[corner[0]] + u * t[corner[1]] + v * t[corner[2]];
+  }
+  if (!g.colors.empty()) point.color = w * g.colors[corner[0]] + u * g.colors[corner[1]] + v * g.colors[corner[2]];
+  return point;
+}
+
+World::World(const Scene& scene) : scene_(scene), materials_(prepare_materials(scene)) {
+  // One build thread: the BVH, and with it which of two equally near triangles wins, must not depend on the machine.
+  device_ = rtcNewDevice("threads=1");
+  if (!device_) throw std::runtime_error("Embree does not start on this machine");
+  root_ = rtcNewScene(device_);
+  const size_t count = scene.objects.size();
+  objects_.resize(count);
+  object_scenes_.assign(count, nullptr);
+  instances_.assign(count, nullptr);
+  for (size_t i = 0; i < count; ++i) {
+    objects_[i].object = &scene.objects[i];
+    objects_[i].materials = materials_.data();
+    objects_[i].material_count = materials_.size();
+    objects_[i].scene = &scene;
+    if (scene.objects[i].follows_camera) {
+      backdrop_ = static_cast<int>(i);
+    } else if (!scene.objects[i].geometry.indices.empty()) {
+      build_object(i);
+    }
+  }
+}
+
+World::~World() {
+  rtcReleaseScene(root_);
+  for (const RTCGeometry g : instances_) {
+    if (g) rtcReleaseGeometry(g);
+  }
+  for (const RTCScene s : object_scenes_) {
+    if (s) rtcReleaseScene(s);
+  }
+  rtcReleaseDevice(device_);
+}
+
+void World::build_object(size_t index) {
+  const Geometry& g = scene_.objects[index].geometry;
+  RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
+  copy_buffer(mesh, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, g.positions.data(), g.positions.size() * sizeof(glm::vec3),
+              sizeof(glm::vec3));
+  copy_buffer(mesh, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, g.indices.data(), g.indices.size() * sizeof(uint32_t),
+              3 * sizeof(uint32_t));
+  rtcSetGeometryUserData(mesh, &objects_[index]);
+  rtcSetGeometryIntersectFilterFunction(mesh, filter_intersection);
+  rtcSetGeometryOccludedFilterFunction(mesh, filter_occlusion);
+  rtcCommitGeometry(mesh);
+  RTCScene object_scene = rtcNewScene(device_);
+  rtcAttachGeometry(object_scene, mesh);
+  rtcReleaseGeometry(mesh);
+  rtcCommitScene(object_scene);
+  object_scenes_[index] = object_scene;
+
+  RTCGeometry instance = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
+  rtcSetGeometryInstancedScene(instance, object_scene);
+  rtcSetGeometryTimeStepCount(instance, 1);
+  rtcAttachGeometryByID(root_, instance, static_cast<unsigned>(index));
+  instances_[index] = instance;
+}
+
+void World::pose(const Position& position) {
+  pose_ = pose_scene(scene_, position);
+  for (size_t i = 0; i < objects_.size(); ++i) {
+    PosedObject& posed = objects_[i];
+    const Object& object = *posed.object;
+    const bool varied = pose_.variant >= 0 && static_cast<size_t>(pose_.variant) < object.variant_materials.size();
+    posed.triangle_materials =
+        varied ? object.variant_materials[static_cast<size_t>(pose_.variant)].data() : object.geometry.triangle_materials.data();
+    posed.world_from_object = world_from_object(scene_, pose_, static_cast<int>(i));
+    const glm::mat3 linear(posed.world_from_object);
+    posed.orientation = glm::determinant(linear) < 0 ? -1.0f : 1.0f;
+    posed.normal_from_object = glm::inverseTranspose(linear);
+    posed.emission = i < pose_.object_emission.size() ? pose_.object_emission[i] : 1.0f;
+    if (!instances_[i]) continue;
+    rtcSetGeometryTransform(instances_[i], 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, glm::value_ptr(posed.world_from_object));
+    rtcCommitGeometry(instances_[i]);
+  }
+  rtcCommitScene(root_);
+  RTCBounds bounds;
+  rtcGetSceneBounds(root_, &bounds);
+  const glm::vec3 low(bounds.lower_x, bounds.lower_y, bounds.lower_z), high(bounds.upper_x, bounds.upper_y, bounds.upper_z);
+  const bool any = low.x <= high.x;
+  center_ = any ? 0.5f * (low + high) : glm::vec3(0);
+  radius_ = any ? std::max(0.5f * glm::length(high - low), 1e-6f) : 1.0f;
+}
+
+bool World::intersect(const Ray& ray, Hit& hit) const {
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  RTCRayHit query;
+  query.ray = embree_ray(ray);
+  query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  rtcIntersect1(root_, &context, &query);
+  if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
+  hit = {static_cast<int>(query.hit.instID[0]), static_cast<int>(query.hit.primID), query.hit.u, query.hit.v, query.ray.tfar};
+  return true;
+}
+
+Surface World::surface_at(const Ray& ray, const Hit& hit) const {
+  const PosedObject& posed = objects_[static_cast<size_t>(hit.object)];
+  const Geometry& g = posed.object->geometry;
+  const uint32_t* corner = &g.indices[3 * static_cast<size_t>(hit.triangle)];
+  const glm::vec3 barycentric(1 - hit.u - hit.v, hit.u, hit.v);
+  const glm::vec3 a = transform_point(posed.world_from_object, g.positions[corner[0]]);
+  const glm::vec3 b = transform_point(posed.world_from_object, g.positions[corner[1]]);
+  const glm::vec3 c = transform_point(posed.world_from_object, g.positions[corner[2]]);
+  Surface s;
+  s.object = hit.object;
+  s.triangle = hit.triangle;
+  s.material = &posed.material(static_cast<size_t>(hit.triangle));
+  s.position = barycentric.x * a + barycentric.y * b + barycentric.z * c;
+  s.margin = 4e-6f * std::max({largest_coordinate(a), largest_coordinate(b), largest_coordinate(c)});
+  const glm::vec3 cross = glm::cross(b - a, c - a);
+  const float length = glm::length(cross);
+  s.geometric = length > 0 ? cross * (posed.orientation / length) : -ray.direction;
+  s.back = glm::dot(s.geometric, ray.direction) > 0;
+  s.emission = posed.emission;
+  s.point = posed.point_at(hit.triangle, hit.u, hit.v);
+  const glm::vec3 n = posed.normal_from_object * (barycentric.x * g.normals[corner[0]] + barycentric.y * g.normals[corner[1]] +
+                                                  barycentric.z * g.normals[corner[2]]);
+  const float n_length = glm::length(n);
+  s.shading = n_length > 0 ? n / n_length : s.geometric;
+  if (glm::dot(s.shading, s.geometric) < 0) s.shading = -s.shading;
+  s.coat = s.shading;
+  const Material& m = *s.material->source;
+  if (m.normal_texture || m.clearcoat_normal_texture) apply_normal_maps(s.shading, barycentric, s);
+  return s;
+}
+
+void World::apply_normal_maps(const glm::vec3& shading, const glm::vec3& barycentric, Surface& s) const {
+  const PosedObject& posed = objects_[static_cast<size_t>(s.object)];
+  const Geometry& g = posed.object->geometry;
+  if (g.tangents.empty()) return;
+  const uint32_t* corner = &g.indices[3 * static_cast<size_t>(s.triangle)];
+  const glm::vec4 t =
+      barycentric.x * g.tangents[corner[0]] + barycentric.y * g.tangents[corner[1]] + barycentric.z * g.tangents[corner[2]];
+  glm::vec3 tangent = glm::mat3(posed.world_from_object) * glm::vec3(t);
+  tangent -= glm::dot(tangent, shading) * shading;
+  const float length = glm::length(tangent);
+  if (!(length > 0)) return;
+  tangent /= length;
+  const float handedness = (g.tangents[corner[0]].w < 0 ? -1.0f : 1.0f) * posed.orientation;
+  const glm::vec3 bitangent = glm::cross(shading, tangent) * handedness;
+  const Material& m = *s.material->source;
+  if (m.normal_texture) {
+    s.shading = normal_from_map(scene_, m.normal_texture, m.normal_scale, s.point.uv, tangent, bitangent, shading);
+  }
+  if (m.clearcoat_normal_texture) {
+    s.coat = normal_from_map(scene_, m.clearcoat_normal_texture, 1, s.point.uv, tangent, bitangent, shading);
+  }
+}
+
+glm::vec3 World::emission_of(const Surface& surface) const {
+  if (!surface.material->emits || surface.emission == 0) return glm::vec3(0);
+  if (surface.back && !surface.material->source->double_sided) return glm::vec3(0);
+  return surface.emission * emission_at(scene_, *surface.material, surface.point);
+}
+
+Shadow World::shadow(const Ray& ray, bool through_glass, const glm::vec3& absorption) const {
+  ShadowContext context(through_glass);
+  RTCRay query = embree_ray(ray);
+  rtcOccluded1(root_, &context.embree, &query);
+  if (query.tfar < 0) return {glm::vec3(0), false};
+  return context.result(ray.t_max, absorption);
+}
+
+}  // namespace vitrine::trace

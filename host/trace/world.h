@@ -1,0 +1,108 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// The scene as rays meet it: one Embree BVH per object, built once, instanced where the pose puts it; hits, surface points and
+// shadow rays. The backdrop (Object::follows_camera) is no geometry here: rays miss it.
+//
+// Single-sided materials that do not transmit are not met from behind, by any ray. Shadow rays see alpha as its mean, thin
+// smooth panes as what they let through, and other glass as `through_glass` says.
+#pragma once
+
+#include <embree3/rtcore.h>
+
+#include <limits>
+#include <memory>
+#include <vector>
+
+#include "host/scene/scene.h"
+#include "host/trace/shading_material.h"
+
+namespace vitrine::trace {
+
+struct Ray {
+  glm::vec3 origin, direction;  // unit
+  float t_min = 0, t_max = std::numeric_limits<float>::infinity();
+};
+
+// Where a ray first meets a surface.
+struct Hit {
+  int object = -1, triangle = 0;
+  float u = 0, v = 0;  // barycentric weights of the second and third corner
+  float distance = 0;
+};
+
+// All about the point of a hit.
+struct Surface {
+  int object = 0, triangle = 0;
+  const ShadingMaterial* material = nullptr;
+  glm::vec3 position{0}, geometric{0, 0, 1}, shading{0, 0, 1};  // unit normals on the triangle's front
+  glm::vec3 coat{0, 0, 1};                                      // the coat's normal
+  SurfacePoint point;
+  float margin = 0;    // how far from it a ray may start without meeting it again
+  float emission = 1;  // factor of the pose
+  bool back = false;   // met from behind
+};
+
+struct Shadow {
+  glm::vec3 transmittance{1};
+  bool through_glass = false;  // in a straight line through rough or solid glass
+};
+
+// One object as it is posed.
+struct PosedObject {
+  const Object* object = nullptr;
+  const ShadingMaterial* materials = nullptr;  // all of the scene's; index -1 means the last
+  size_t material_count = 0;
+  const int* triangle_materials = nullptr;
+  glm::mat4 world_from_object{1};
+  glm::mat3 normal_from_object{1};  // inverse transpose
+  float orientation = 1;            // sign of the determinant
+  float emission = 1;
+  const Scene* scene = nullptr;
+
+  const ShadingMaterial& material(size_t triangle) const;
+  SurfacePoint point_at(int triangle, float u, float v) const;
+};
+
+class World {
+ public:
+  explicit World(const Scene& scene);
+  ~World();
+  World(const World&) = delete;
+  World& operator=(const World&) = delete;
+
+  void pose(const Position& position);
+
+  bool intersect(const Ray& ray, Hit& hit) const;
+  Surface surface_at(const Ray& ray, const Hit& hit) const;
+  // Emission of a surface towards where it was met from.
+  glm::vec3 emission_of(const Surface& surface) const;
+  // What reaches ray.origin from distance ray.t_max. `through_glass`: whether light may go straight through rough or solid
+  // glass (else it stops there); `absorption` is that of the medium around the origin.
+  Shadow shadow(const Ray& ray, bool through_glass, const glm::vec3& absorption) const;
+
+  const Scene& scene() const { return scene_; }
+  const Pose& current_pose() const { return pose_; }
+  const std::vector<PosedObject>& objects() const { return objects_; }
+  const std::vector<ShadingMaterial>& materials() const { return materials_; }
+  int backdrop() const { return backdrop_; }  // index into Scene::objects, or -1
+  float radius() const { return radius_; }    // of a sphere that holds all geometry
+  const glm::vec3& center() const { return center_; }
+
+ private:
+  void build_object(size_t index);
+  void apply_normal_maps(const glm::vec3& shading, const glm::vec3& barycentric, Surface& surface) const;
+
+  const Scene& scene_;
+  Pose pose_;
+  std::vector<ShadingMaterial> materials_;
+  std::vector<PosedObject> objects_;
+  std::vector<RTCScene> object_scenes_;  // null for the backdrop and empty objects
+  std::vector<RTCGeometry> instances_;
+  RTCDevice device_ = nullptr;
+  RTCScene root_ = nullptr;
+  int backdrop_ = -1;
+  float radius_ = 1;
+  glm::vec3 center_{0};
+};
+
+}  // namespace vitrine::trace

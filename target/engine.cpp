@@ -1,0 +1,156 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "target/engine.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "target/engine_state.h"
+
+namespace vitrine {
+namespace {
+
+Motion motion_of(const ImageView& image) {
+  const fb::Image& directory = image.directory();
+  Motion motion;
+  motion.interpolate = directory.interpolate();
+  motion.horizon = directory.plan()->horizon_frames();
+  for (uint32_t a = 0; a < directory.axes()->size(); ++a) {
+    const fb::Axis& axis = *directory.axes()->Get(a);
+    motion.max_speed[a] = axis.kind() == fb::AxisKind::discrete ? 0.0f : axis.max_speed();
+  }
+  return motion;
+}
+
+Status check_contexts(const FieldState& field) {
+  const size_t expected = static_cast<size_t>(field.shape.pyramid.level_count) * kContextBytesPerLevel;
+  if (field.contexts.empty() || field.contexts.size() == expected) return {};
+  return {StatusCode::kMalformed, "a field has a wrong number of coding contexts"};
+}
+
+}  // namespace
+
+Engine::Engine(std::unique_ptr<State> state) : state_(std::move(state)) {}
+Engine::~Engine() = default;
+
+size_t Engine::required_bytes(const ImageView& image) {
+  State state(image);
+  Arena arena;
+  state.lay_out(arena);
+  return arena.failed() ? std::numeric_limits<size_t>::max() : arena.used();
+}
+
+Result<std::unique_ptr<Engine>> Engine::load(const ImageView& image, hal::Gpu& gpu, std::span<std::byte> block,
+                                             const EngineOptions& options) {
+  if (reinterpret_cast<uintptr_t>(block.data()) % Arena::kAlignment)
+    return Status{StatusCode::kMalformed, "the engine's block is not aligned to 64 bytes"};
+  if (block.size() < required_bytes(image))
+    return Status{StatusCode::kOutOfMemory, "the engine's block is too small for the image"};
+  auto state = std::make_unique<State>(image);
+  Arena arena(block);
+  state->options = options;
+  state->lay_out(arena);
+  if (arena.failed()) return Status{StatusCode::kOutOfMemory, "the engine's block is too small for the image"};
+  for (const FieldState& field : state->fields)
+    if (Status status = check_contexts(field); !status.ok()) return status;
+  if (Status status = state->create_objects(gpu); !status.ok()) return status;
+  // In unlimited mode what is shown is decoded when it is shown, tops too.
+  if (!options.unlimited)
+    state->stats.damaged_nodes = state->scheduler.decode_tops(state->fields, state->cache, state->viewpoint).damaged;
+  return std::unique_ptr<Engine>(new Engine(std::move(state)));
+}
+
+Status Engine::frame(const Position& position, hal::Target output) {
+  state_->look_from(position);
+  state_->decode();
+  state_->count_missing();
+  state_->stats.upload_bytes_last = 0;
+  for (ObjectState& object : state_->objects)
+    if (Status status = state_->compose_object(object); !status.ok()) return status;
+  state_->stats.upload_bytes_max = std::max(state_->stats.upload_bytes_max, state_->stats.upload_bytes_last);
+  ++state_->stats.frames;
+  return state_->draw(output, position);
+}
+
+const EngineStats& Engine::stats() const { return state_->stats; }
+
+void Engine::State::lay_out(Arena& arena) {
+  const fb::Image& directory = image.directory();
+  motion = motion_of(image);
+  size_t most_terms = 0, scratch = 0, texels = 0, vertices = 0, indices = 0;
+  for (uint32_t o = 0; o < directory.objects()->size(); ++o) {
+    const fb::Object& object = *directory.objects()->Get(o);
+    ObjectState state{
+        .object = &object, .first_field = static_cast<uint32_t>(fields.size()), .field_count = object.fields()->size()};
+    size_t terms = 0;
+    for (const fb::Field* field : *object.fields()) {
+      fields.push_back(describe_field(image, object, *field, o, motion));
+      terms += static_cast<size_t>(fields.back().corner_count);
+    }
+    state.composed.resize(terms);
+    objects.push_back(std::move(state));
+    const int w = static_cast<int>(object.texture_width()), h = static_cast<int>(object.texture_height());
+    most_terms = std::max(most_terms, terms);
+    scratch = std::max(scratch, compose_scratch_floats(w, h));
+    texels = std::max(texels, 4 * texels_with_mips(w, h));
+    vertices = std::max<size_t>(vertices, object.vertex_count());
+    indices = std::max<size_t>(indices, object.index_count());
+  }
+  buffers.nodes = arena.take<RigNode>(directory.nodes()->size());
+  buffers.tracks = arena.take<RigTrack>(directory.tracks()->size());
+  buffers.world_from_node = arena.take<glm::mat4>(directory.nodes()->size());
+  buffers.vertices = arena.take_uninitialized<MeshVertex>(vertices);
+  buffers.indices = arena.take_uninitialized<uint32_t>(indices);
+  buffers.compose_scratch = arena.take_uninitialized<float>(scratch);
+  buffers.texels = arena.take_uninitialized<uint16_t>(texels);
+  buffers.radiance = arena.take_uninitialized<RadianceTable>(1);
+  for (FieldState& field : fields) take_node_tables(field, arena);
+  scheduler.lay_out(fields, directory.plan()->units_budget(), arena);
+  cache.lay_out(fields, directory.plan()->cache_bytes(), arena);
+  coordinates.resize(fields.size());
+  shown.resize(fields.size());
+  leaves.resize(most_terms);
+  wanted.resize(most_terms);
+  viewpoint = {&motion, coordinates, shown};
+  stats.cache_bytes = cache.bytes();
+}
+
+// Where the hand is, for every field, and which samples that shows.
+void Engine::State::look_from(const Position& position) {
+  const std::array<float, kMaxAxes> x = coordinates_of(image.space(), position);
+  if (stats.frames == 0 || is_jump(image.space(), motion, last_x, x)) settling = true;
+  last_x = x;
+  for (size_t f = 0; f < fields.size(); ++f) {
+    const ParameterSpace& space = fields[f].shape.space;
+    coordinates[f] = coordinates_of(space, position);
+    if (motion.interpolate) {
+      shown[f].count = corners_around(space, position, shown[f].samples);
+    } else {
+      shown[f].samples[0] = {space.nearest_sample(position), 1.0f};
+      shown[f].count = 1;
+    }
+  }
+}
+
+void Engine::State::decode() {
+  const DecodeResult result =
+      options.unlimited ? scheduler.decode_shown(fields, cache, viewpoint) : scheduler.decode_wanted(fields, cache, viewpoint);
+  stats.units_last = result.units;
+  stats.units_sum += result.units;
+  stats.units_max = std::max(stats.units_max, result.units);
+  stats.damaged_nodes += result.damaged;
+  if (!options.unlimited && result.units > image.directory().plan()->units_budget()) ++stats.overruns;
+}
+
+// A node that is shown and not there is late, unless a jump asked for it at once.
+void Engine::State::count_missing() {
+  int64_t missing = 0;
+  for (size_t f = 0; f < fields.size(); ++f) missing += fields[f].missing(shown[f], cache.pool_of(fields[f]).ready);
+  if (missing == 0)
+    settling = false;
+  else if (settling)
+    ++stats.settling_frames;
+  else
+    stats.late_nodes += missing;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,89 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// What the engine holds between frames. Small tables (one entry per field or object) are vectors made at load; all that grows
+// with the image lies in the caller's block.
+#pragma once
+
+#include <glm/mat4x4.hpp>
+#include <span>
+#include <vector>
+
+#include "target/arena.h"
+#include "target/compose.h"
+#include "target/draw/scene_drawer.h"
+#include "target/engine.h"
+#include "target/field_state.h"
+#include "target/node_cache.h"
+#include "target/scheduler.h"
+
+namespace vitrine {
+
+// What one term of an object's texture was made of when it was composed last.
+struct ComposedTerm {
+  int64_t sample = -1;
+  int32_t levels = 0;
+  float weight = 0;
+  bool operator==(const ComposedTerm&) const = default;
+};
+
+struct ObjectState {
+  const fb::Object* object = nullptr;
+  uint32_t first_field = 0, field_count = 0;
+  std::vector<ComposedTerm> composed;  // room for every corner of every field
+  int composed_count = -1;             // of them in use; -1: never composed
+  DrawMesh mesh;
+  hal::Texture texture;
+};
+
+// Buffers in the block.
+struct EngineBuffers {
+  std::span<RigNode> nodes;
+  std::span<RigTrack> tracks;
+  std::span<glm::mat4> world_from_node;
+  // Used one after another, the former at load only.
+  std::span<MeshVertex> vertices;
+  std::span<uint32_t> indices;
+  std::span<float> compose_scratch;
+  std::span<uint16_t> texels;
+  std::span<RadianceTable> radiance;  // one
+};
+
+struct Engine::State {
+  explicit State(const ImageView& from) : image(from) {}
+  ~State();
+
+  // Describes fields and objects and takes all memory; the same whether the arena counts or gives.
+  void lay_out(Arena& arena);
+  Status create_objects(hal::Gpu& device);
+  Status create_object(ObjectState& object);
+
+  void look_from(const Position& position);
+  void decode();
+  void count_missing();
+  Status compose_object(ObjectState& object);
+  int describe_terms(const ObjectState& object, std::span<ComposedTerm> wanted) const;
+  void find_leaves(const ObjectState& object, std::span<const ComposedTerm> terms);
+  Status upload(const ObjectState& object);
+  Status draw(hal::Target output, const Position& position);
+
+  ImageView image;
+  EngineOptions options;
+  hal::Gpu* gpu = nullptr;
+  SceneDrawer drawer;
+  Motion motion;
+  std::vector<FieldState> fields;
+  std::vector<ObjectState> objects;
+  NodeCache cache;
+  Scheduler scheduler;
+  EngineBuffers buffers;
+  std::vector<std::array<float, kMaxAxes>> coordinates;  // per field, in its own space
+  std::vector<ShownField> shown;                         // per field
+  std::vector<LeafTerm> leaves;                          // room for the object with most terms
+  std::vector<ComposedTerm> wanted;
+  Viewpoint viewpoint;
+  std::array<float, kMaxAxes> last_x{};
+  bool settling = false;
+  EngineStats stats;
+};
+
+}  // namespace vitrine

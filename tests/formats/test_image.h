@@ -1,0 +1,174 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// A small valid image as an editable directory and sections: tests change one thing and look what a reader says.
+#pragma once
+
+#include <meshoptimizer.h>
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "formats/image.h"
+#include "formats/node_coding.h"
+#include "host/link/image_writer.h"
+
+namespace vitrine::test {
+
+inline std::vector<MeshVertex> test_vertices() {
+  return {{-1, -1, 0, 0, 0}, {1, -1, 0, 1, 0}, {1, 1, 0, 1, 1}, {-1, 1, 0, 0, 1}, {0, 0, 1, 0.5f, 0.5f}};
+}
+inline std::vector<uint32_t> test_indices() { return {0, 1, 2, 0, 2, 3, 0, 1, 4}; }
+
+inline std::vector<std::byte> coded_vertices(const std::vector<MeshVertex>& vertices) {
+  meshopt_encodeVertexVersion(0);
+  std::vector<std::byte> coded(meshopt_encodeVertexBufferBound(vertices.size(), sizeof(MeshVertex)));
+  coded.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(coded.data()), coded.size(), vertices.data(),
+                                          vertices.size(), sizeof(MeshVertex)));
+  return coded;
+}
+inline std::vector<std::byte> coded_indices(const std::vector<uint32_t>& indices, size_t vertex_count) {
+  meshopt_encodeIndexVersion(1);
+  std::vector<std::byte> coded(meshopt_encodeIndexBufferBound(indices.size(), vertex_count));
+  coded.resize(
+      meshopt_encodeIndexBuffer(reinterpret_cast<unsigned char*>(coded.data()), coded.size(), indices.data(), indices.size()));
+  return coded;
+}
+
+struct TestImage {
+  fb::ImageT directory;
+  std::vector<ImageSection> sections;
+
+  AlignedBytes file() { return AlignedBytes(write_image(directory, sections)); }
+  uint32_t add(fb::SectionKind kind, std::vector<std::byte> bytes) {
+    sections.push_back({kind, std::move(bytes)});
+    return static_cast<uint32_t>(sections.size() - 1);
+  }
+};
+
+inline std::unique_ptr<fb::AxisT> make_axis(const std::string& name, fb::AxisKind kind, uint32_t samples) {
+  auto axis = std::make_unique<fb::AxisT>();
+  axis->name = name;
+  axis->kind = kind;
+  axis->samples = samples;
+  axis->max_speed = 0.25f;
+  return axis;
+}
+
+inline std::unique_ptr<fb::RigNodeT> make_node(int32_t parent, float z) {
+  auto node = std::make_unique<fb::RigNodeT>();
+  node->parent = parent;
+  node->translation = std::make_unique<fb::Vec3>(0.0f, 0.0f, z);
+  node->rotation = std::make_unique<fb::Quat>(0.0f, 0.0f, 0.0f, 1.0f);
+  node->scale = std::make_unique<fb::Vec3>(1.0f, 1.0f, 1.0f);
+  return node;
+}
+
+// A field of blocks of 4 samples with three levels; every third node on the grid has bytes (not a coder's: nothing here
+// decodes them).
+inline std::unique_ptr<fb::FieldT> make_field(TestImage& image, const std::string& layer, AxisMask axes) {
+  auto field = std::make_unique<fb::FieldT>();
+  field->layer = layer;
+  field->axes = axes;
+  FieldShape shape;
+  shape.space.axis_count = static_cast<int>(image.directory.axes.size());
+  for (int a = 0; a < shape.space.axis_count; ++a)
+    shape.space.axes[a] = {static_cast<AxisKind>(image.directory.axes[static_cast<size_t>(a)]->kind),
+                           static_cast<int>(image.directory.axes[static_cast<size_t>(a)]->samples)};
+  shape.space = shape.space.restricted(axes);
+  shape.pyramid.level_count = 3;
+  for (int a = 0; a < shape.space.axis_count; ++a) {
+    const bool varies = shape.space.axes[a].samples > 1;
+    shape.block_size[a] = varies ? 4 : 1;
+    shape.stagger[a] = varies ? 1 : 0;
+    field->block_size.push_back(shape.block_size[a]);
+    field->stagger.push_back(shape.stagger[a]);
+  }
+  for (int level = 0; level < 3; ++level)
+    for (int a = 0; a < shape.space.axis_count; ++a) {
+      shape.pyramid.cell[level][a] = static_cast<uint8_t>(shape.block_size[a] >> (shape.block_size[a] > 1 ? level : 0));
+      field->cells.push_back(shape.pyramid.cell[level][a]);
+    }
+  field->level_steps = {64, 80, 80, 32, 40, 40, 16, 20, 20};
+  std::vector<std::byte> nodes;
+  for (int node = 0; node < shape.node_count(); ++node) {
+    const bool coded = node % 3 == 0 && shape.samples_of(node).last[0] >= 0;
+    const uint32_t bytes = coded ? 5 + static_cast<uint32_t>(node) % 7 : 0;
+    for (uint32_t i = 0; i < bytes; ++i) nodes.push_back(static_cast<std::byte>(node * 31 + static_cast<int>(i)));
+    field->node_bytes.push_back(bytes);
+    field->node_units.push_back(128 + 8 * bytes);
+  }
+  field->nodes = image.add(fb::SectionKind::nodes, std::move(nodes));
+  field->contexts = image.add(fb::SectionKind::contexts, std::vector<std::byte>(3 * kContextBytesPerLevel, std::byte{0x41}));
+  return field;
+}
+
+inline std::unique_ptr<fb::ObjectT> make_object(TestImage& image, const std::string& name, uint32_t node) {
+  auto object = std::make_unique<fb::ObjectT>();
+  object->name = name;
+  object->node = node;
+  const auto vertices = test_vertices();
+  const auto indices = test_indices();
+  object->vertex_count = static_cast<uint32_t>(vertices.size());
+  object->index_count = static_cast<uint32_t>(indices.size());
+  object->culled_index_count = 6;
+  object->vertices = image.add(fb::SectionKind::vertices, coded_vertices(vertices));
+  object->indices = image.add(fb::SectionKind::indices, coded_indices(indices, vertices.size()));
+  object->texture_width = 40;
+  object->texture_height = 24;
+  return object;
+}
+
+// Axes view (linear, 10) and lamp (periodic, 4); a rig of four nodes with a rotation and a spline track; two objects, one of
+// them with two fields.
+inline TestImage make_test_image() {
+  TestImage image;
+  fb::ImageT& d = image.directory;
+  d.producer = "test";
+  d.width = 64;
+  d.height = 48;
+  d.supersampling = 2;
+  d.axes.push_back(make_axis("view", fb::AxisKind::linear, 10));
+  d.axes.push_back(make_axis("lamp", fb::AxisKind::periodic, 4));
+  for (int n = 0; n < 4; ++n) d.nodes.push_back(make_node(n - 1, static_cast<float>(n)));
+  d.nodes[3]->matrix.assign(16, 0.0f);
+  for (size_t i = 0; i < 16; i += 5) d.nodes[3]->matrix[i] = 1;
+  auto turn = std::make_unique<fb::RigTrackT>();
+  turn->node = 1;
+  turn->axis = 0;
+  turn->path = fb::TrackPath::rotation;
+  turn->interpolation = fb::Interpolation::linear;
+  turn->positions = {0, 0.5f, 1};
+  turn->values = {0, 0, 0, 1, 0, 1, 0, 0, 0, 0, 0, -1};
+  d.tracks.push_back(std::move(turn));
+  auto slide = std::make_unique<fb::RigTrackT>();
+  slide->node = 2;
+  slide->axis = 1;
+  slide->path = fb::TrackPath::translation;
+  slide->interpolation = fb::Interpolation::cubic_spline;
+  slide->positions = {0, 1};
+  slide->values.assign(18, 0.5f);
+  d.tracks.push_back(std::move(slide));
+  d.camera = std::make_unique<fb::CameraT>();
+  d.camera->node = 2;
+  d.camera->yfov = 0.7f;
+  d.camera->ymag = 1;
+  d.camera->near_distance = 0.1f;
+  d.camera->far_distance = 100;
+  d.plan = std::make_unique<fb::PlanT>();
+  d.plan->units_budget = 1000000;
+  d.plan->units_worst = 900000;
+  d.plan->upload_worst = 1 << 20;
+  d.plan->cache_bytes = 1 << 22;
+  d.plan->settle_frames = 3;
+  d.plan->horizon_frames = 4;
+  d.objects.push_back(make_object(image, "vase", 3));
+  d.objects[0]->fields.push_back(make_field(image, "diffuse", 2));
+  d.objects[0]->fields.push_back(make_field(image, "specular", 3));
+  d.objects.push_back(make_object(image, "floor", 0));
+  d.objects[1]->fields.push_back(make_field(image, "diffuse", 0));
+  return image;
+}
+
+}  // namespace vitrine::test

@@ -1,0 +1,184 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// Real models and probes by many makers, good and bad.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+
+#include "host/base/error.h"
+#include "host/scene/environment.h"
+#include "host/scene/gltf.h"
+
+namespace vitrine {
+namespace {
+
+namespace fs = std::filesystem;
+const fs::path kAssets = fs::path(VITRINE_EXTRA_ASSETS) / "assets";
+constexpr double kLongest = 5;  // seconds; on an idle machine all of them take less than one
+
+std::vector<fs::path> files_below(const fs::path& folder, const std::vector<std::string>& extensions) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder))
+    if (std::find(extensions.begin(), extensions.end(), entry.path().extension()) != extensions.end()) files.push_back(entry.path());
+  std::sort(files.begin(), files.end());
+  return files;
+}
+
+bool is_bad(const fs::path& file) { return file.string().find("/bad/") != std::string::npos; }
+
+// The error of a reading, "" for none; fails the test where it is slow or its message has more than one line.
+template <typename Read>
+std::string outcome(const fs::path& file, Read read) {
+  const auto begin = std::chrono::steady_clock::now();
+  std::string error;
+  try {
+    read();
+  } catch (const InputError& e) {
+    error = e.what();
+    EXPECT_GT(error.size(), file.string().size()) << error;
+    EXPECT_EQ(error.find('\n'), std::string::npos) << error;
+    EXPECT_LT(error.size(), 1000u) << error;
+  }
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  EXPECT_LT(seconds, kLongest) << file;
+  return error;
+}
+
+GltfModel read_model(const fs::path& file, const std::vector<std::string>& animations = {}) {
+  return read_gltf({file, file.parent_path(), {}, animations, nullptr});
+}
+
+// What every stage after the loader takes for granted.
+void expect_sound(const GltfModel& model) {
+  for (size_t n = 0; n < model.nodes.size(); ++n) ASSERT_LT(model.nodes[n].parent, static_cast<int>(n));
+  for (const Object& object : model.objects) {
+    const Geometry& g = object.geometry;
+    ASSERT_EQ(g.indices.size(), 3 * g.triangle_materials.size());
+    ASSERT_EQ(g.normals.size(), g.positions.size());
+    for (const uint32_t i : g.indices) ASSERT_LT(i, g.positions.size());
+    for (const auto* uv : {&g.texcoords[0], &g.texcoords[1]}) ASSERT_TRUE(uv->empty() || uv->size() == g.positions.size());
+    ASSERT_TRUE(g.tangents.empty() || g.tangents.size() == g.positions.size());
+    ASSERT_TRUE(g.colors.empty() || g.colors.size() == g.positions.size());
+    for (const glm::vec3& n : g.normals) ASSERT_NEAR(glm::length(n), 1, 1e-4);
+    for (const int m : g.triangle_materials) {
+      ASSERT_LT(m, static_cast<int>(model.materials.size()));
+      const Material& material = model.materials[static_cast<size_t>(m)];
+      for (const TextureRef* ref : {&material.base_color_texture, &material.normal_texture, &material.emissive_texture}) {
+        if (!*ref) continue;
+        ASSERT_LT(ref->image, static_cast<int>(model.images.size()));
+        ASSERT_EQ(g.texcoords[static_cast<size_t>(ref->texcoord)].size(), g.positions.size());
+      }
+      if (material.normal_texture) {
+        ASSERT_EQ(g.tangents.size(), g.positions.size());
+      }
+    }
+  }
+}
+
+#define SKIP_WITHOUT_ASSETS() \
+  if (!fs::exists(kAssets)) GTEST_SKIP() << "no assets at " << kAssets << " (VITRINE_EXTRA_ASSETS): real models and probes are not tested"
+
+TEST(Corpus, GoodModelsLoadOrAreRefusedForAnExtensionOnly) {
+  SKIP_WITHOUT_ASSETS();
+  int loaded = 0, refused = 0;
+  for (const fs::path& file : files_below(kAssets / "gltf", {".glb", ".gltf"})) {
+    if (is_bad(file)) continue;
+    SCOPED_TRACE(file.string());
+    GltfModel model;
+    const std::string error = outcome(file, [&] { model = read_model(file); });
+    if (error.empty()) {
+      ++loaded;
+      expect_sound(model);
+      continue;
+    }
+    ++refused;
+    const bool extension = error.find("extensionsRequired: the model requires \"") != std::string::npos;
+    const bool version = file.filename() == "Compatibility_04.gltf" && error.find("minVersion: is \"2.1\"") != std::string::npos;
+    EXPECT_TRUE(extension || version) << error;
+  }
+  std::cout << loaded << " models loaded, " << refused << " refused for an extension or version\n";
+  EXPECT_GE(loaded, 60);
+}
+
+TEST(Corpus, BadModelsNeverCrashHangOrFillTheScreen) {
+  SKIP_WITHOUT_ASSETS();
+  int loaded = 0, refused = 0;
+  for (const fs::path& file : files_below(kAssets / "gltf" / "bad", {".glb", ".gltf"})) {
+    SCOPED_TRACE(file.string());
+    GltfModel model;
+    const std::string error = outcome(file, [&] {
+      model = read_model(file);
+      model = read_model(file, model.animation_names);
+    });
+    error.empty() ? ++loaded : ++refused;
+    if (error.empty()) expect_sound(model);
+    if (std::getenv("VITRINE_SHOW")) std::cout << file.lexically_relative(kAssets).string() << ": " << (error.empty() ? "ok" : error) << "\n";
+  }
+  std::cout << loaded << " bad models loaded, " << refused << " refused\n";
+  EXPECT_GE(refused, 100);
+}
+
+TEST(Corpus, ReferenceScenesLoad) {
+  SKIP_WITHOUT_ASSETS();
+  for (const fs::path& file : files_below(fs::path(VITRINE_EXTRA_ASSETS) / "reference", {".toml"})) {
+    SCOPED_TRACE(file.string());
+    std::unique_ptr<const Scene> scene;
+    EXPECT_EQ(outcome(file, [&] { scene = load_scene(file); }), "");
+    if (!scene) continue;
+    EXPECT_FALSE(scene->objects.empty());
+    EXPECT_GT(scene->camera.far_distance, scene->camera.near_distance);
+  }
+}
+
+TEST(Corpus, ThreeContainersOfOneModelAgree) {
+  SKIP_WITHOUT_ASSETS();
+  const GltfModel binary = read_model(kAssets / "gltf/teapot-binary.glb"), embedded = read_model(kAssets / "gltf/teapot-embedded.gltf"),
+                  separate = read_model(kAssets / "gltf/teapot-separate/teapot-separate.gltf");
+  for (const GltfModel* other : {&embedded, &separate}) {
+    ASSERT_EQ(other->objects.size(), binary.objects.size());
+    for (size_t o = 0; o < binary.objects.size(); ++o) {
+      EXPECT_EQ(other->objects[o].geometry.positions, binary.objects[o].geometry.positions);
+      EXPECT_EQ(other->objects[o].geometry.indices, binary.objects[o].geometry.indices);
+    }
+    ASSERT_EQ(other->images.size(), binary.images.size());
+    for (size_t i = 0; i < binary.images.size(); ++i) EXPECT_EQ(other->images[i].rgba, binary.images[i].rgba);
+  }
+}
+
+TEST(Corpus, DamagedExrNeverCrashesHangsOrFillsTheScreen) {
+  SKIP_WITHOUT_ASSETS();
+  int loaded = 0, refused = 0;
+  for (const fs::path& file : files_below(kAssets / "env" / "bad-exr", {".exr"})) {
+    SCOPED_TRACE(file.string());
+    std::vector<std::string> warnings;
+    Environment environment;
+    const std::string error = outcome(file, [&] { environment = read_environment(file, &warnings); });
+    error.empty() ? ++loaded : ++refused;
+    for (const glm::vec3& texel : environment.radiance)
+      for (int c = 0; c < 3; ++c) ASSERT_TRUE(texel[c] >= 0 && texel[c] <= kBrightestTexel);
+  }
+  std::cout << loaded << " damaged probes loaded, " << refused << " refused\n";
+  EXPECT_GE(refused, 60);
+}
+
+TEST(Corpus, GoodProbesLoad) {
+  SKIP_WITHOUT_ASSETS();
+  for (const fs::path& file : files_below(kAssets / "env", {".exr", ".hdr"})) {
+    if (file.string().find("bad-exr") != std::string::npos) continue;
+    SCOPED_TRACE(file.string());
+    std::vector<std::string> warnings;
+    Environment environment;
+    EXPECT_EQ(outcome(file, [&] { environment = read_environment(file, &warnings); }), "");
+    EXPECT_EQ(environment.radiance.size(), static_cast<size_t>(environment.width) * static_cast<size_t>(environment.height));
+    for (const glm::vec3& texel : environment.radiance)
+      for (int c = 0; c < 3; ++c) ASSERT_TRUE(texel[c] >= 0 && texel[c] <= kBrightestTexel);
+  }
+}
+
+}  // namespace
+}  // namespace vitrine

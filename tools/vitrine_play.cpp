@@ -1,0 +1,43 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// vitrine-play: plays an image.
+#include <fmt/format.h>
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+
+#include "tools/player.h"
+
+namespace {
+
+void stop(int signal) { vitrine::stop_signal = signal; }
+
+void handle_signals() {
+  struct sigaction action {};
+  action.sa_handler = stop;
+  sigemptyset(&action.sa_mask);
+  sigaction(SIGINT, &action, nullptr);
+  sigaction(SIGTERM, &action, nullptr);
+}
+
+int report(const std::exception& error, int code) {
+  fmt::print(stderr, "vitrine-play: {}\n", error.what());
+  return code;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) try {
+  const auto options = vitrine::parse_options(argc, argv);
+  if (!options) return 0;
+  handle_signals();
+  vitrine::Player player(*options);
+  player.play();
+  player.print_stats();
+  return 0;
+} catch (const vitrine::UsageError& error) {
+  return report(error, 2);
+} catch (const std::exception& error) {
+  return report(error, 1);
+}
