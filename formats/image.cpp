@@ -31,7 +31,12 @@ Result<const fb::Image*> read_directory(Bytes bytes, uint64_t checksum) {
   if (checksum_of(bytes) != checksum) return Status{StatusCode::kChecksumMismatch, "the directory is damaged"};
   flatbuffers::Verifier verifier(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size(), kMaxDepth, kMaxTables);
   if (!fb::VerifyImageBuffer(verifier)) return Status{StatusCode::kMalformed, "the directory is not well formed"};
-  return fb::GetImage(bytes.data());
+  const fb::Image* image = fb::GetImage(bytes.data());
+  // The verifier sees to the alignment of a vector's length, not of its elements.
+  const auto& sections = *image->sections();
+  if (sections.size() > 0 && reinterpret_cast<uintptr_t>(sections.Data()) % alignof(fb::Section) != 0)
+    return Status{StatusCode::kMalformed, "the section table is not aligned"};
+  return image;
 }
 
 bool all_zero(Bytes bytes) {

@@ -104,6 +104,7 @@ struct CoefficientLevels {
   void clear() {
     for (int i = 0; i < nonzero_count; ++i) at(nonzero[i].x, nonzero[i].y) = 0;
     nonzero_count = 0;
+    last = 0;
   }
 };
 

@@ -22,7 +22,8 @@ class FrameTimes {
     const auto rank = static_cast<int64_t>(std::ceil(fraction * static_cast<double>(total_)));
     int64_t seen = 0;
     for (size_t b = 0; b < kBuckets; ++b)
-      if ((seen += counts_[b]) >= rank && rank > 0) return std::min(max_ms(), static_cast<double>(b + 1) * kBucket * 1e-6);
+      if ((seen += counts_[b]) >= rank && rank > 0)
+        return b + 1 == kBuckets ? max_ms() : std::min(max_ms(), static_cast<double>(b + 1) * kBucket * 1e-6);
     return 0;
   }
   double max_ms() const { return static_cast<double>(max_) * 1e-6; }

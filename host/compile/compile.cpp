@@ -10,6 +10,7 @@
 #include "hal/storage.h"
 #include "host/base/error.h"
 #include "host/encode/encode.h"
+#include "host/infer/verification.h"
 #include "host/link/link.h"
 #include "host/plan/plan.h"
 
@@ -44,13 +45,13 @@ Inference infer(const Scene& scene, const std::vector<StoreKey>& keys, const Sto
   return infer_textures(scene, keys, store, *gpu.value(), inference_options(scene, supersampling), progress);
 }
 
-// A stored linear texture as the coder wants it: companded codes in Y, Co, Cg.
-CodedPlanes coded_planes(const LayeredImage& texture) {
-  const size_t texels = static_cast<size_t>(texture.width) * texture.height;
+// A linear texture as the coder wants it: companded codes in Y, Co, Cg.
+CodedPlanes coded_planes(const LinearTexture& texture) {
+  const size_t texels = texture.texels.size();
   CodedPlanes planes(3 * texels);
   for (size_t i = 0; i < texels; ++i) {
-    const Ycocg c = ycocg_from_rgb({code_from_radiance(texture.planes[0].values[i]), code_from_radiance(texture.planes[1].values[i]),
-                                    code_from_radiance(texture.planes[2].values[i])});
+    const glm::vec3& radiance = texture.texels[i];
+    const Ycocg c = ycocg_from_rgb({code_from_radiance(radiance.r), code_from_radiance(radiance.g), code_from_radiance(radiance.b)});
     planes[i] = static_cast<int16_t>(c.y);
     planes[texels + i] = static_cast<int16_t>(c.co);
     planes[2 * texels + i] = static_cast<int16_t>(c.cg);
@@ -68,11 +69,7 @@ FieldSource field_source(const Scene& scene, const Inference& inference, int num
   source.importance = field.importance;
   source.stagger = stagger_of(number, static_cast<int>(inference.fields.size()), field.space, block_size_of(field.space));
   source.samples_shown = static_cast<double>(scene.space().sample_count()) / static_cast<double>(field.space.sample_count());
-  source.load = [&store, &field](int64_t sample) {
-    const auto texture = store.load_planes(field.textures[sample]);
-    if (!texture) throw InputError("work folder", "a texture disappeared while it was compiled", "run the same command again");
-    return coded_planes(*texture);
-  };
+  source.load = [&store, &field](int64_t sample) { return coded_planes(load_field_texture(store, field, sample)); };
   return source;
 }
 
@@ -117,8 +114,13 @@ std::vector<std::byte> read_file(const std::filesystem::path& path) {
   return {first, first + bytes.size()};
 }
 
+struct BuiltImage {
+  std::vector<std::byte> bytes;
+  uint64_t field_bytes = 0;  // EncodedField::bytes of all fields
+};
+
 // Encodes for `field_bytes`, plans and links.
-std::vector<std::byte> build_image(const Scene& scene, const Inference& inference, const Store& store, const Profile& profile,
+BuiltImage build_image(const Scene& scene, const Inference& inference, const Store& store, const Profile& profile,
                                    uint64_t field_bytes, Progress& progress) {
   std::vector<FieldSource> sources;
   for (size_t f = 0; f < inference.fields.size(); ++f) sources.push_back(field_source(scene, inference, static_cast<int>(f), store));
@@ -138,7 +140,9 @@ std::vector<std::byte> build_image(const Scene& scene, const Inference& inferenc
   input.inference = &inference;
   input.encoded = &encoded;
   input.plan = make_plan(scene.space(), speeds, planned, scene.settings.interpolate, profile);
-  return link_image(input);
+  BuiltImage image{link_image(input), 0};
+  for (const EncodedField& field : encoded) image.field_bytes += field.bytes();
+  return image;
 }
 
 // What an image holds beside the coded fields (meshes, rig, directory), as a first guess: build_to_size corrects it.
@@ -155,18 +159,16 @@ std::vector<std::byte> build_to_size(const Scene& scene, const Inference& infere
   uint64_t overhead = guessed_overhead(inference);
   for (int attempt = 1;; ++attempt) {
     const uint64_t for_fields = std::max<uint64_t>(bytes - std::min(bytes, overhead), bytes / 16);
-    std::vector<std::byte> image = build_image(scene, inference, store, profile, for_fields, progress);
-    const bool fits = image.size() <= bytes, full = image.size() * 1000 >= bytes * 985;
-    if ((fits && full) || attempt == kAttempts) {
-      if (!fits) {
-        throw InputError(scene.file.string(), "the image needs " + std::to_string(image.size()) + " bytes, storage allows " + std::to_string(bytes),
-                         "allow more storage, or lower resolution_scale");
-      }
-      return image;
+    BuiltImage image = build_image(scene, inference, store, profile, for_fields, progress);
+    const bool fits = image.bytes.size() <= bytes, full = image.bytes.size() * 1000 >= bytes * 985;
+    const bool satisfied = image.field_bytes * 1000 < for_fields * 985;  // the fields had no more to say
+    if (fits && (full || satisfied || attempt >= kAttempts)) return std::move(image.bytes);
+    if (attempt >= kAttempts) {
+      throw InputError(scene.file.string(),
+                       "the image needs " + std::to_string(image.bytes.size()) + " bytes, storage allows " + std::to_string(bytes),
+                       "allow more storage, or lower resolution_scale");
     }
-    const int64_t beside = static_cast<int64_t>(image.size()) - static_cast<int64_t>(for_fields);
-    if (fits && beside + static_cast<int64_t>(bytes / 100) >= static_cast<int64_t>(overhead)) return image;  // the fields had no more to say
-    overhead = static_cast<uint64_t>(std::max<int64_t>(beside, 0)) + 64;
+    overhead = image.bytes.size() - image.field_bytes + 64;
   }
 }
 

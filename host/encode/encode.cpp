@@ -116,8 +116,8 @@ int64_t block_count(const std::vector<FieldJob>& jobs) {
   return count;
 }
 
-std::vector<EncodedField> encode_to_target(std::vector<FieldJob>& jobs, double target, Progress& progress) {
-  double price = prepare(jobs, estimated_price(jobs, target), kAim * target);
+std::vector<EncodedField> encode_to_target(std::vector<FieldJob>& jobs, double target, double floor, Progress& progress) {
+  double price = std::max(floor, prepare(jobs, std::max(floor, estimated_price(jobs, target)), kAim * target));
   double tables = 0;
   for (const FieldJob& job : jobs) tables += table_bytes(job);
   PriceSearch search(kAim * target);
@@ -128,12 +128,12 @@ std::vector<EncodedField> encode_to_target(std::vector<FieldJob>& jobs, double t
     const Pass pass = encode_pass(jobs, price, false, &progress);
     progress.end();
     if (pass.bytes <= target && pass.bytes > best_bytes) best = assemble_all(jobs, pass, price), best_bytes = pass.bytes;
-    if (best_bytes >= kEnough * target || (best && finest(jobs, price))) break;
+    if (best_bytes >= kEnough * target || (best && (price <= floor || finest(jobs, price)))) break;
     if (i == 0)
       train_contexts(jobs, pass);
     else if (pass.bytes <= tables && pass.bytes > target)
       break;
-    price = search.next(price, pass.bytes);
+    price = std::max(floor, search.next(price, pass.bytes));
   }
   if (!best) {
     throw InputError("fields",
@@ -160,8 +160,11 @@ std::vector<EncodedField> encode_fields(const std::vector<FieldSource>& fields, 
                                         Progress& progress) {
   if (fields.empty()) return {};
   std::vector<FieldJob> jobs = load_fields(fields, progress);
-  if (options.quantizer <= 0) return encode_to_target(jobs, static_cast<double>(options.target_bytes), progress);
-  const double price = kPricePerStep2 * options.quantizer * options.quantizer;
+  const auto price_of = [](double quantizer) { return kPricePerStep2 * quantizer * quantizer; };
+  if (options.quantizer <= 0) {
+    return encode_to_target(jobs, static_cast<double>(options.target_bytes), price_of(options.finest_quantizer), progress);
+  }
+  const double price = price_of(options.quantizer);
   prepare(jobs, price, 0);
   progress.begin("coding textures", block_count(jobs), 0, "blocks");
   const Pass pass = encode_pass(jobs, price, false, &progress);

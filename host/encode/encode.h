@@ -39,10 +39,13 @@ struct EncodedField {
 };
 
 struct EncodeOptions {
-  uint64_t target_bytes =
-      0;  // of all fields together (EncodedField::bytes); met from below, within 1 % where the signal needs that much
-  double quantizer =
-      0;  // > 0: this base step instead of a target: in codes, for luma of a texel of importance 1 shown by one sample
+  // Of all fields together (EncodedField::bytes): met from below, within 1 % where the signal has that much to say.
+  uint64_t target_bytes = 0;
+  // No target makes the base step finer than this (below): about one 8-bit level, an error
+  // of 0.3 levels, which no display shows.
+  double finest_quantizer = 4;
+  // > 0: this base step instead of a target: in codes, for luma of a texel of importance 1 that one sample shows.
+  double quantizer = 0;
 };
 
 // The result depends on the inputs alone, not on the number of threads. Throws InputError when the node tables alone are

@@ -96,10 +96,9 @@ class VertexTable {
 }  // namespace
 
 bool is_proper_parameterization(const Geometry& geometry, const glm::mat4& world_from_object) {
-  if (geometry.indices.empty() || geometry.texcoords[0].size() != geometry.positions.size() ||
-      !inside_domain(geometry.texcoords[0]))
-    return false;
+  if (geometry.indices.empty() || geometry.texcoords[0].size() != geometry.positions.size()) return false;
   const std::vector<glm::vec2> corners = corners_of(geometry);
+  if (!inside_domain(corners)) return false;
   if (cramped_share(world_positions(geometry, world_from_object), geometry.indices, corners) > kCrampedAllowed) return false;
   const UvCoverage coverage = measure_uv_coverage(corners, kOverlapGrid);
   return coverage.covered > 0 &&

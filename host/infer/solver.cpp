@@ -2,6 +2,7 @@
 #include "host/infer/solver.h"
 
 #include <tbb/parallel_for.h>
+#include <tbb/task_group.h>
 
 #include <algorithm>
 #include <array>
@@ -112,11 +113,16 @@ struct TextureSolver::Impl final : TextureSolver::Base {
     std::copy(x.begin(), x.end(), work.in.begin());
     pyramid.decimate(work.in.data());
     const size_t parts = std::clamp<size_t>(observations.size(), 1, kPartialSums);
-    tbb::parallel_for(size_t{0}, parts, [&](size_t part) {
-      work.sums[part].assign(pyramid.size(), T{});
-      if (part == 0) pyramid.add_gamma_gradient(work.in.data(), strength(), work.sums[0].data());
-      add_data_term(work.in.data(), part, parts, work.sums[part].data());
-    });
+    // A context of its own: an interruption of the work around this would leave the sums undone without a word.
+    tbb::task_group_context context(tbb::task_group_context::isolated);
+    tbb::parallel_for(
+        size_t{0}, parts,
+        [&](size_t part) {
+          work.sums[part].assign(pyramid.size(), T{});
+          if (part == 0) pyramid.add_gamma_gradient(work.in.data(), strength(), work.sums[0].data());
+          add_data_term(work.in.data(), part, parts, work.sums[part].data());
+        },
+        context);
     std::vector<T>& total = work.sums[0];
     for (size_t part = 1; part < parts; ++part)
       for (size_t i = 0; i < total.size(); ++i) total[i] += work.sums[part][i];

@@ -150,9 +150,11 @@ TextureRef GltfMaterials::texture(const JsonView& owner, const char* key) {
     ref.transform = texture_transform({offset[0], offset[1]}, rotation, {scale[0], scale[1]});
     set = transform->integer_or("texCoord", set, 0, 1000);
   }
-  if (set > 1)
-    info->fail(fmt::format("uses texture coordinate set {}, but only sets 0 and 1 are read", set),
-               "bring the coordinates into these sets");
+  if (set > 1) {
+    document_.warn(
+        fmt::format("{} uses texture coordinate set {}, but only sets 0 and 1 are read; it is left out", info->where(), set));
+    return ref;
+  }
   ref.texcoord = static_cast<int>(set);
   const int index = info->index_or_none("index", "textures", document_.count("textures"));
   if (index < 0) info->fail("names no texture");

@@ -14,17 +14,16 @@ namespace vitrine {
 namespace {
 
 // Charged as memory, so that meshes of very many tiny parts end in an error and not in hours of work.
-constexpr uint64_t kPrimitiveCharge = 16384, kMappingCharge = 256;
+constexpr uint64_t kPrimitiveCharge = 65536, kMappingCharge = 256;
 
 enum : int64_t { kTriangles = 4, kTriangleStrip = 5, kTriangleFan = 6 };
 
-// The triangles' corners in a list of `n` (glTF 2.0, section 3.7.2.1).
-std::vector<uint32_t> corners_of_mode(const JsonView& place, int64_t mode, uint32_t n) {
+// The triangles' corners in a list of `n` (glTF 2.0, section 3.7.2.1); corners left over make no triangle.
+std::vector<uint32_t> corners_of_mode(int64_t mode, uint32_t n) {
   std::vector<uint32_t> corners;
   if (mode == kTriangles) {
-    if (n % 3 != 0) place.fail(fmt::format("has {} corners, which is no multiple of 3", n));
-    corners.resize(n);
-    for (uint32_t i = 0; i < n; ++i) corners[i] = i;
+    corners.resize(n / 3 * 3);
+    for (uint32_t i = 0; i < corners.size(); ++i) corners[i] = i;
     return corners;
   }
   for (uint32_t i = 0; i + 2 < n; ++i) {
@@ -193,12 +192,15 @@ void GltfMeshes::charge(size_t vertices, size_t triangles, const JsonView& place
 std::vector<uint32_t> GltfMeshes::read_corners(const JsonView& place, size_t vertices, int64_t mode) {
   const auto reference = place.find("indices");
   if (!reference) {
-    charge(0, vertices / 3, place);
-    return corners_of_mode(place, mode, static_cast<uint32_t>(vertices));
+    charge(0, vertices / (mode == kTriangles ? 3 : 1), place);
+    return corners_of_mode(mode, static_cast<uint32_t>(vertices));
   }
   const Accessor indices = open_indices(document_, *reference);
   charge(0, indices.size() / (mode == kTriangles ? 3 : 1), place);
-  std::vector<uint32_t> corners = corners_of_mode(place, mode, static_cast<uint32_t>(indices.size()));
+  std::vector<uint32_t> corners = corners_of_mode(mode, static_cast<uint32_t>(indices.size()));
+  if (mode == kTriangles && corners.size() != indices.size())
+    document_.warn(
+        fmt::format("{} has {} corners, which is no multiple of 3; the last are left out", place.where(), indices.size()));
   for (uint32_t& corner : corners) {
     corner = indices.integer(corner, 0);
     if (corner >= vertices) reference->fail(fmt::format("vertex {} is used, but there are {}", corner, vertices));

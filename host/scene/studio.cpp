@@ -24,10 +24,10 @@ struct SoftBox {
   glm::vec3 tint;
 };
 const SoftBox kBoxes[] = {
-    {42, 42, 52, 34, 4.6f, {1.0f, 0.97f, 0.92f}},   // key
+    {42, 42, 52, 34, 3.3f, {1.0f, 0.97f, 0.92f}},   // key
     {-72, 18, 30, 64, 1.6f, {0.93f, 0.97f, 1.0f}},  // fill
-    {168, 46, 76, 16, 5.0f, {1.0f, 1.0f, 1.0f}},    // rim, from behind
-    {0, 88, 60, 60, 2.2f, {1.0f, 0.99f, 0.97f}},    // ceiling
+    {168, 46, 76, 16, 3.6f, {1.0f, 1.0f, 1.0f}},    // rim, from behind
+    {0, 88, 60, 60, 1.6f, {1.0f, 0.99f, 0.97f}},    // ceiling
 };
 
 float radians(float degrees) { return degrees * std::numbers::pi_v<float> / 180; }
@@ -37,8 +37,8 @@ float smooth(float low, float high, float x) {
   return t * t * (3 - 2 * t);
 }
 
-// 1 within, 0 without, the edge a quarter of the half width wide.
-float soft_edge(float x, float half) { return 1 - smooth(0.78f * half, 1.05f * half, std::fabs(x)); }
+// 1 within, 0 without, soft over half of the half width.
+float soft_edge(float x, float half) { return 1 - smooth(0.6f * half, 1.1f * half, std::fabs(x)); }
 
 float coverage(const SoftBox& box, const glm::vec3& d) {
   const float a = radians(box.azimuth), e = radians(box.elevation);

@@ -97,7 +97,8 @@ class Bsdf {
   glm::vec3 wo_, geometric_, local_wo_, coat_wo_{0};
   bool inside_ = false, solid_ = false, has_dense_specular_ = false;
   float eta_ = 1;              // index of the far side / of this side
-  glm::vec3 compensation_{1};  // of the specular lobe
+  glm::vec3 multiple_{0};      // of the specular lobe: value of multiple scattering / (cos * (1 - albedo of wi))
+  float multiple_chance_ = 0;  // of drawing from it, within the lobe
   float glass_compensation_ = 1;
   float base_share_ = 1;  // what the coat lets through to the specular lobes, seen from wo
   float diffuse_weight_ = 0, specular_weight_ = 0;

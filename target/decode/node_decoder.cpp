@@ -51,7 +51,7 @@ Status NodeDecoder::start(const NodeDesc& desc, std::span<const std::byte> bytes
   above_.fill(kOutsideFlags);
   left_.fill(kOutsideFlags);
   levels_.value.fill(0);
-  levels_.nonzero_count = 0;
+  levels_.nonzero_count = levels_.last = 0;
   tile_x_ = tile_y_ = 0;
   spent_ = 0;
   declared_ = desc.units;

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cmath>
 
@@ -12,6 +13,7 @@
 namespace vitrine::testing {
 namespace {
 
+constexpr float kHole = 0.01f;  // pixels that a texel feeds through coarse MIP levels at most
 constexpr InferenceOptions kSmall{.width = 96, .height = 72};
 
 Frame load(const Store& store, const StoreKey& key, const Scene& scene) { return store.load_frame(key, scene).value(); }
@@ -23,33 +25,51 @@ std::vector<std::vector<glm::vec3>> all_textures(const Store& store, const Infer
   return textures;
 }
 
+// Frames are drawn, and textures inferred, once for all tests that only look.
 class InferenceTest : public ::testing::Test {
  protected:
-  void SetUp() override {
+  static void SetUpTestSuite() {
     gpu = make_gpu();
     ASSERT_NE(gpu, nullptr);
     scene = make_ball_on_board();
-    frames = draw_frames(*scene, smooth_truth(), kSmall, *gpu, work.store());
+    work = std::make_unique<ScratchStore>();
+    frames = draw_frames(*scene, smooth_truth(), kSmall, *gpu, work->store());
+    inference = infer(work->store());
   }
-  Inference infer(const Store& store) { return infer_textures(*scene, frames, store, *gpu, kSmall, silent_progress()); }
+  static void TearDownTestSuite() {
+    work.reset();
+    scene.reset();
+    gpu.reset();
+  }
+  static Inference infer(const Store& store) { return infer_textures(*scene, frames, store, *gpu, kSmall, silent_progress()); }
+  // A store with the frames and nothing else.
+  static std::unique_ptr<ScratchStore> fresh_store() {
+    auto store = std::make_unique<ScratchStore>();
+    for (const StoreKey& key : frames) store->store().save_frame(key, *scene, load(work->store(), key, *scene));
+    return store;
+  }
 
-  std::unique_ptr<hal::Gpu> gpu;
-  std::unique_ptr<Scene> scene;
-  ScratchStore work;
-  std::vector<StoreKey> frames;
+  static std::unique_ptr<hal::Gpu> gpu;
+  static std::unique_ptr<Scene> scene;
+  static std::unique_ptr<ScratchStore> work;
+  static std::vector<StoreKey> frames;
+  static Inference inference;
 };
+std::unique_ptr<hal::Gpu> InferenceTest::gpu;
+std::unique_ptr<Scene> InferenceTest::scene;
+std::unique_ptr<ScratchStore> InferenceTest::work;
+std::vector<StoreKey> InferenceTest::frames;
+Inference InferenceTest::inference;
 
 TEST_F(InferenceTest, DrawsTheFramesAgain) {
-  const Inference inference = infer(work.store());
   ASSERT_EQ(inference.objects.size(), 2u);
   for (int64_t sample = 0; sample < 8; ++sample) {
-    const auto drawn = draw_inferred(work.store(), *scene, inference, kSmall, *gpu, sample);
-    EXPECT_GT(psnr(drawn, load(work.store(), frames[static_cast<size_t>(sample)], *scene).combined), 45) << "sample " << sample;
+    const auto drawn = draw_inferred(work->store(), *scene, inference, kSmall, *gpu, sample);
+    EXPECT_GT(psnr(drawn, load(work->store(), frames[static_cast<size_t>(sample)], *scene).combined), 45) << "sample " << sample;
   }
 }
 
 TEST_F(InferenceTest, LayersDependOnTheAxesThatTheyMust) {
-  const Inference inference = infer(work.store());
   ASSERT_EQ(inference.fields.size(), 3u);  // the board has no specular light
   EXPECT_EQ(inference.fields[0].layer, "diffuse");
   EXPECT_EQ(inference.fields[0].axes, 2u);
@@ -62,7 +82,6 @@ TEST_F(InferenceTest, LayersDependOnTheAxesThatTheyMust) {
 }
 
 TEST_F(InferenceTest, TextureSizesFollowTheScreen) {
-  const Inference inference = infer(work.store());
   for (const DrawnObject& object : inference.objects)
     for (const int size : {object.texture_width, object.texture_height}) {
       EXPECT_EQ(size % 8, 0);
@@ -72,27 +91,32 @@ TEST_F(InferenceTest, TextureSizesFollowTheScreen) {
 }
 
 TEST_F(InferenceTest, HolesAreFilledSmoothly) {
-  const Inference inference = infer(work.store());
   const Field& field = inference.fields[0];
-  const LinearTexture texture = load_field_texture(work.store(), field, 0);
+  const LinearTexture texture = load_field_texture(work->store(), field, 0);
   glm::vec3 low(1e9f), high(-1e9f);
   for (size_t i = 0; i < texture.texels.size(); ++i) {
     if (field.importance[i] < 0.5f) continue;
     low = glm::min(low, texture.texels[i]);
     high = glm::max(high, texture.texels[i]);
   }
-  for (size_t i = 0; i < texture.texels.size(); ++i)
+  ASSERT_GT(std::count_if(field.importance.begin(), field.importance.end(), [](float i) { return i < kHole; }), 100);
+  for (size_t i = 0; i < texture.texels.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
-      EXPECT_GE(texture.texels[i][k], low[k] - 0.1f) << "texel " << i;
-      EXPECT_LE(texture.texels[i][k], high[k] + 0.1f) << "texel " << i;
+      EXPECT_GE(texture.texels[i][k], low[k] - 0.2f) << "texel " << i;
+      EXPECT_LE(texture.texels[i][k], high[k] + 0.2f) << "texel " << i;
     }
+    const bool inside_hole = i + 1 < texture.texels.size() && field.importance[i] < kHole && field.importance[i + 1] < kHole;
+    if (!inside_hole || static_cast<int>(i + 1) % texture.width == 0) continue;
+    EXPECT_LT(glm::length(texture.texels[i + 1] - texture.texels[i]), 0.15f) << "texel " << i;
+  }
 }
 
 TEST_F(InferenceTest, ImportanceSumsToThePixelsOfTheObject) {
-  const Inference inference = infer(work.store());
   double screen = 0, texels = 0;
-  for (const StoreKey& key : frames)
-    for (const float c : load(work.store(), key, *scene).objects[0].coverage) screen += static_cast<double>(c) / 8;
+  for (const StoreKey& key : frames) {
+    const Frame frame = load(work->store(), key, *scene);
+    for (const float c : frame.objects[0].coverage) screen += static_cast<double>(c) / 8;
+  }
   for (const float i : inference.fields[0].importance) texels += static_cast<double>(i);
   EXPECT_NEAR(texels / screen, 1, 0.02);
 }
@@ -104,11 +128,10 @@ TEST_F(InferenceTest, ASecondRunFindsEverythingInTheStore) {
     void advance(int64_t) override {}
     void end() override {}
   } count;
-  const Inference first = infer(work.store());
-  const Inference second = infer_textures(*scene, frames, work.store(), *gpu, kSmall, count);
+  const Inference second = infer_textures(*scene, frames, work->store(), *gpu, kSmall, count);
   EXPECT_EQ(count.total, 12);
   EXPECT_EQ(count.found, 12);
-  for (size_t f = 0; f < first.fields.size(); ++f) EXPECT_EQ(first.fields[f].importance, second.fields[f].importance);
+  for (size_t f = 0; f < inference.fields.size(); ++f) EXPECT_EQ(inference.fields[f].importance, second.fields[f].importance);
 }
 
 // Stops after a number of textures.
@@ -123,43 +146,42 @@ struct Impatient final : Progress {
 };
 
 TEST_F(InferenceTest, InterruptedAndResumedItGivesTheSameBytes) {
-  const auto whole = all_textures(work.store(), infer(work.store()));
+  const auto whole = all_textures(work->store(), inference);
   for (const int64_t steps : {0, 3, 9}) {
-    ScratchStore other;
-    ASSERT_EQ(draw_frames(*scene, smooth_truth(), kSmall, *gpu, other.store()), frames);
+    const auto other = fresh_store();
     Impatient impatient(steps);
-    EXPECT_THROW(infer_textures(*scene, frames, other.store(), *gpu, kSmall, impatient), Interrupted);
-    EXPECT_EQ(all_textures(other.store(), infer(other.store())), whole) << steps;
+    EXPECT_THROW(infer_textures(*scene, frames, other->store(), *gpu, kSmall, impatient), Interrupted);
+    EXPECT_TRUE(all_textures(other->store(), infer(other->store())) == whole) << "after " << steps << " textures";
   }
 }
 
 TEST_F(InferenceTest, OneThreadGivesTheSameBytesAsFour) {
   const auto run = [&](size_t threads) {
     tbb::global_control control(tbb::global_control::max_allowed_parallelism, threads);
-    ScratchStore other;
-    draw_frames(*scene, smooth_truth(), kSmall, *gpu, other.store());
-    return all_textures(other.store(), infer(other.store()));
+    const auto other = fresh_store();
+    return all_textures(other->store(), infer(other->store()));
   };
-  EXPECT_EQ(run(1), run(4));
+  EXPECT_TRUE(run(1) == run(4));
 }
 
 TEST_F(InferenceTest, WithLittleMemoryItUsesFewerViewsAndSaysSo) {
   InferenceOptions options = kSmall;
   options.max_matrix_bytes = size_t{96} * 72 * 4 * 48 * 2;  // two of four views
-  const Inference inference = infer_textures(*scene, frames, work.store(), *gpu, options, silent_progress());
-  ASSERT_EQ(inference.warnings.size(), 1u);
-  EXPECT_NE(inference.warnings[0].find("every 2. view"), std::string::npos) << inference.warnings[0];
-  const auto drawn = draw_inferred(work.store(), *scene, inference, options, *gpu, 0);
-  EXPECT_GT(psnr(drawn, load(work.store(), frames[0], *scene).combined), 40);
+  const Inference thinned = infer_textures(*scene, frames, work->store(), *gpu, options, silent_progress());
+  ASSERT_EQ(thinned.warnings.size(), 1u);
+  EXPECT_NE(thinned.warnings[0].find("every 2. view"), std::string::npos) << thinned.warnings[0];
+  const auto drawn = draw_inferred(work->store(), *scene, thinned, options, *gpu, 0);
+  EXPECT_GT(psnr(drawn, load(work->store(), frames[0], *scene).combined), 40);
 }
 
 TEST_F(InferenceTest, AMissingFrameIsAnErrorThatNamesIt) {
-  frames[5].low ^= 1;
+  std::vector<StoreKey> wrong = frames;
+  wrong[5].low ^= 1;
   try {
-    infer(work.store());
+    infer_textures(*scene, wrong, work->store(), *gpu, kSmall, silent_progress());
     FAIL() << "no error";
   } catch (const std::exception& error) {
-    EXPECT_NE(std::string(error.what()).find(frames[5].hex()), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find(wrong[5].hex()), std::string::npos) << error.what();
   }
 }
 

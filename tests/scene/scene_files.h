@@ -6,14 +6,14 @@
 #include <unistd.h>
 
 #include <cstring>
+#include <ctime>
 #include <filesystem>
 #include <fstream>
 #include <functional>
 #include <memory>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
-
-#include <nlohmann/json.hpp>
 
 #include "host/base/error.h"
 #include "host/scene/scene.h"
@@ -56,14 +56,10 @@ struct Model {
   // One triangle (0,0,0) (1,0,0) (0,1,0) on node 0 named "thing" with material 0.
   static Model triangle() {
     Model m;
-    m.json = {{"asset", {{"version", "2.0"}}},
-              {"scene", 0},
-              {"scenes", {{{"nodes", {0}}}}},
-              {"nodes", {{{"name", "thing"}, {"mesh", 0}}}},
-              {"materials", {{{"name", "paint"}}}},
-              {"buffers", nlohmann::json::array()},
-              {"bufferViews", nlohmann::json::array()},
-              {"accessors", nlohmann::json::array()}};
+    m.json = {{"asset", {{"version", "2.0"}}},          {"scene", 0},
+              {"scenes", {{{"nodes", {0}}}}},           {"nodes", {{{"name", "thing"}, {"mesh", 0}}}},
+              {"materials", {{{"name", "paint"}}}},     {"buffers", nlohmann::json::array()},
+              {"bufferViews", nlohmann::json::array()}, {"accessors", nlohmann::json::array()}};
     const int positions = m.add_floats({0, 0, 0, 1, 0, 0, 0, 1, 0}, 3);
     const int indices = m.add_indices({0, 1, 2});
     m.json["meshes"] = {{{"primitives", {{{"attributes", {{"POSITION", positions}}}, {"indices", indices}, {"material", 0}}}}}};
@@ -82,9 +78,12 @@ struct Model {
   }
   int add_floats(const std::vector<float>& values, size_t components) {
     static const char* kTypes[] = {"", "SCALAR", "VEC2", "VEC3", "VEC4"};
-    return add_accessor(add_view(bytes_of(values)), 5126, values.size() / components, components == 16 ? "MAT4" : kTypes[components]);
+    return add_accessor(add_view(bytes_of(values)), 5126, values.size() / components,
+                        components == 16 ? "MAT4" : kTypes[components]);
   }
-  int add_indices(const std::vector<uint16_t>& values) { return add_accessor(add_view(bytes_of(values)), 5123, values.size(), "SCALAR"); }
+  int add_indices(const std::vector<uint16_t>& values) {
+    return add_accessor(add_view(bytes_of(values)), 5123, values.size(), "SCALAR");
+  }
   nlohmann::json& primitive() { return json["meshes"][0]["primitives"][0]; }
 
   // As .glb; the buffer's length is filled in where the JSON does not say it.
@@ -109,6 +108,15 @@ inline std::unique_ptr<const Scene> load(const Folder& folder, const Model& mode
   folder.write("scene.toml", "scene = \"model.glb\"\n" + toml);
   return load_scene(folder.path());
 }
+
+// Processor time of this process: does not count the neighbours on a loaded machine.
+class CpuTimer {
+ public:
+  double seconds() const { return static_cast<double>(std::clock() - begin_) / CLOCKS_PER_SEC; }
+
+ private:
+  std::clock_t begin_ = std::clock();
+};
 
 // The error that `action` ends with; empty where it has none.
 inline std::string error_of(const std::function<void()>& action) {

@@ -28,7 +28,7 @@ nlohmann::json object_json(const ImageView& image, const fb::Object& object) {
     nlohmann::json cells = nlohmann::json::array();
     for (int level = 0; level < shape.pyramid.level_count; ++level) {
       std::string cell;
-      for (int axis = 0; axis < shape.space.axis_count; ++axis) cell += (axis ? "x" : "") + std::to_string(shape.pyramid.cell[level][axis]);
+      for (int axis = 0; axis < shape.space.axis_count; ++axis) cell += fmt::format("{}{}", axis ? "x" : "", shape.pyramid.cell[level][axis]);
       cells.push_back(cell.empty() ? "1" : cell);
     }
     layers.push_back({{"name", field->layer()->str()}, {"bytes", field_bytes(image, *field)}, {"samples", shape.space.sample_count()},

@@ -1,0 +1,95 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// In an environment of radiance 1 from everywhere, a surface that loses nothing looks like the environment.
+#include <gtest/gtest.h>
+
+#include "tests/trace/measure.h"
+#include "tests/trace/scenes.h"
+
+namespace vitrine::test {
+namespace {
+
+constexpr double kEnergySlack = 0.01;  // of one, the tables' promise
+constexpr double kDepthSlack = 1e-4;   // single precision over many bounces
+
+Laboratory::Radiance plate(const Material& material, float degrees) {
+  Scene scene = scene_with_camera({0, 0, 5}, {0, 0, 0}, 0.5f);
+  set_environment(scene, glm::vec3(1));
+  add_object(scene, make_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), add_material(scene, material), "plate");
+  const float a = glm::radians(degrees);
+  return Laboratory(scene).look({std::sin(a), 0, std::cos(a)}, {-std::sin(a), 0, -std::cos(a)}, 16, 1024);
+}
+
+TEST(Furnace, WhiteWallStaysWhite) {
+  for (const float degrees : {0.0f, 45.0f, 85.0f}) EXPECT_ESTIMATE(plate(lambert(glm::vec3(1)), degrees).sum, 1, kDepthSlack);
+}
+
+TEST(Furnace, WhiteMetalStaysWhiteAtEveryRoughness) {
+  for (const float roughness : {0.0f, 0.05f, 0.15f, 0.3f, 0.5f, 0.75f, 1.0f}) {
+    for (const float degrees : {0.0f, 40.0f, 75.0f, 85.0f}) {
+      SCOPED_TRACE(testing::Message() << "roughness " << roughness << ", " << degrees << " degrees");
+      EXPECT_ESTIMATE(plate(metal(glm::vec3(1), roughness), degrees).sum, 1, kEnergySlack);
+    }
+  }
+}
+
+TEST(Furnace, ClearPaneIsInvisible) {
+  for (const float roughness : {0.0f, 0.3f, 0.7f, 1.0f}) {
+    for (const float degrees : {0.0f, 60.0f}) {
+      SCOPED_TRACE(testing::Message() << "roughness " << roughness << ", " << degrees << " degrees");
+      EXPECT_ESTIMATE(plate(clear_glass(1.5f, roughness, 0), degrees).sum, 1, kEnergySlack);
+    }
+  }
+}
+
+TEST(Furnace, ClearBallIsInvisible) {
+  for (const float roughness : {0.0f, 0.2f, 0.5f, 0.8f}) {
+    SCOPED_TRACE(testing::Message() << "roughness " << roughness);
+    Scene scene = scene_with_camera({0, 0, 5}, {0, 0, 0}, 0.5f);
+    set_environment(scene, glm::vec3(1));
+    add_object(scene, make_sphere({0, 0, 0}, 1), add_material(scene, clear_glass(1.5f, roughness, 1)), "ball");
+    // Beyond the tables: facets of the tessellation reject the few directions that leave on their wrong side.
+    EXPECT_ESTIMATE(Laboratory(scene).look({0.3f, 0.2f, 3}, {0, 0, -1}, 16, 512).sum, 1, 2 * kEnergySlack);
+  }
+}
+
+// A view-independent diffuse layer under a dielectric conserves light over all views together (host/trace/bsdf.h).
+TEST(Furnace, WhitePlasticNeitherGainsNorLosesOverAllViews) {
+  for (const float roughness : {0.0f, 0.3f, 0.8f}) {
+    Material plastic;
+    plastic.metallic = 0;
+    plastic.roughness = roughness;
+    double flux = 0;
+    constexpr int kSteps = 16;
+    for (int i = 0; i < kSteps; ++i) {  // equal steps of the squared sine: equal projected solid angles
+      const float degrees = glm::degrees(std::asin(std::sqrt((static_cast<float>(i) + 0.5f) / kSteps)));
+      flux += plate(plastic, degrees).sum.mean / kSteps;
+    }
+    EXPECT_NEAR(flux, 1, 1.5 * kEnergySlack) << "roughness " << roughness;
+  }
+}
+
+TEST(Furnace, CoatedWallNeverGainsLightOverAllViews) {
+  Material coated;
+  coated.metallic = 0;
+  coated.clearcoat = 1;
+  double flux = 0;
+  constexpr int kSteps = 16;
+  for (int i = 0; i < kSteps; ++i) {
+    const float degrees = glm::degrees(std::asin(std::sqrt((static_cast<float>(i) + 0.5f) / kSteps)));
+    flux += plate(coated, degrees).sum.mean / kSteps;
+  }
+  EXPECT_NEAR(flux, 1, 3 * kEnergySlack);
+}
+
+TEST(Furnace, DiffuseLayerDoesNotDependOnTheView) {
+  Material plastic;
+  plastic.metallic = 0;
+  plastic.roughness = 0.4f;
+  plastic.base_color = {0.7f, 0.5f, 0.3f, 1};
+  const Estimate head_on = plate(plastic, 5).diffuse, grazing = plate(plastic, 80).diffuse;
+  EXPECT_NEAR(head_on.mean, grazing.mean, 4 * std::hypot(head_on.error, grazing.error) + kDepthSlack);
+}
+
+}  // namespace
+}  // namespace vitrine::test
