@@ -116,6 +116,7 @@ std::vector<std::byte> read_file(const std::filesystem::path& path) {
 
 struct BuiltImage {
   std::vector<std::byte> bytes;
+  std::vector<std::string> misfits;  // what the profile does not provide for
   uint64_t field_bytes = 0;  // EncodedField::bytes of all fields
 };
 
@@ -140,7 +141,7 @@ BuiltImage build_image(const Scene& scene, const Inference& inference, const Sto
   input.inference = &inference;
   input.encoded = &encoded;
   input.plan = make_plan(scene.space(), speeds, planned, scene.settings.interpolate, profile);
-  BuiltImage image{link_image(input), 0};
+  BuiltImage image{link_image(input), misfits(input.plan, profile), 0};
   for (const EncodedField& field : encoded) image.field_bytes += field.bytes();
   return image;
 }
@@ -153,7 +154,7 @@ uint64_t guessed_overhead(const Inference& inference) {
 }
 
 // An image of at most `bytes`, and at least 98.5 % of them where the fields have that much to say.
-std::vector<std::byte> build_to_size(const Scene& scene, const Inference& inference, const Store& store, const Profile& profile,
+BuiltImage build_to_size(const Scene& scene, const Inference& inference, const Store& store, const Profile& profile,
                                      uint64_t bytes, Progress& progress) {
   constexpr int kAttempts = 3;
   uint64_t overhead = guessed_overhead(inference);
@@ -162,7 +163,7 @@ std::vector<std::byte> build_to_size(const Scene& scene, const Inference& infere
     BuiltImage image = build_image(scene, inference, store, profile, for_fields, progress);
     const bool fits = image.bytes.size() <= bytes, full = image.bytes.size() * 1000 >= bytes * 985;
     const bool satisfied = image.field_bytes * 1000 < for_fields * 985;  // the fields had no more to say
-    if (fits && (full || satisfied || attempt >= kAttempts)) return std::move(image.bytes);
+    if (fits && (full || satisfied || attempt >= kAttempts)) return image;
     if (attempt >= kAttempts) {
       throw InputError(scene.file.string(),
                        "the image needs " + std::to_string(image.bytes.size()) + " bytes, storage allows " + std::to_string(bytes),
@@ -222,17 +223,19 @@ CompileReport compile_scene(const Scene& scene, const CompileOptions& options, P
   report.frames_rendered = render_missing(scene, keys, store, progress);
 
   const Inference inference = infer(scene, keys, store, profile.supersampling, progress);
-
   const std::filesystem::path finished = options.work / "images" / (image_key(scene, inference, profile, bytes).hex() + ".vit");
   std::vector<std::byte> image;
   if (std::filesystem::exists(finished)) {
     image = read_file(finished);
   } else {
-    image = build_to_size(scene, inference, store, profile, bytes, progress);
+    BuiltImage built = build_to_size(scene, inference, store, profile, bytes, progress);
+    image = std::move(built.bytes);
+    report.warnings = std::move(built.misfits);
     std::filesystem::create_directories(finished.parent_path());
     write_image(finished, image);
   }
   write_image(options.image, image);
+  report.warnings.insert(report.warnings.begin(), inference.warnings.begin(), inference.warnings.end());
   report.bytes = image.size();
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;

@@ -16,8 +16,9 @@ namespace {
 
 constexpr uint64_t kMiB = uint64_t{1} << 20;
 
-// Units: what one core decodes in the share of a frame that is left for it, rounded down by half for a machine that is warm
-// and busy. Uploads: a tenth of what the class of device copies in a second, by frame.
+// Units: half of what one core decodes in a frame (500 to 700 units a microsecond on one core of an x86-64 server; a third of that
+// taken for boards), so that the rest of the frame is left for composing and drawing. Uploads: what the class of device copies
+// in a quarter of a frame.
 const std::array<Profile, 4>& built_in_profiles() {
   static const std::array<Profile, 4> profiles{{
       {"osmesa-30", 8'000'000, 96 * kMiB, 1024 * kMiB, 2, 30},     // software GL on a server or laptop: tests, demos

@@ -26,6 +26,8 @@ void run(const Options& options) {
   compile.profile = options.profile;
   compile.storage = options.storage;
   const CompileReport report = compile_scene(*scene, compile, *progress);
+  if (!options.common.quiet)
+    for (const std::string& warning : report.warnings) fmt::print(stderr, "vitrine: warning: {}\n", warning);
   const double ratio = static_cast<double>(report.raw_bytes) / static_cast<double>(report.bytes);
   if (options.common.json) {
     fmt::print("{}\n", nlohmann::json{{"image", options.image}, {"bytes", report.bytes}, {"raw_bytes", report.raw_bytes}, {"ratio", ratio},

@@ -1,6 +1,8 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
+#include <filesystem>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "host/scene/new_scene.h"
 #include "tools/commands/commands.h"
@@ -19,7 +21,7 @@ void add_new_command(CLI::App& app) {
   add_common_options(*command, options->common);
   command->footer("Example: vitrine new shop --from lamp.glb");
   command->callback([options] {
-    new_scene(options->directory, options->model);
+    new_scene(options->directory, options->model.empty() ? std::nullopt : std::optional<std::filesystem::path>(options->model));
     if (options->common.json)
       fmt::print("{}\n", nlohmann::json{{"scene", options->directory + "/scene.toml"}}.dump());
     else if (!options->common.quiet)
