@@ -18,7 +18,7 @@ namespace vitrine {
 namespace {
 
 // Changes whenever encode, plan or link would make other bytes of the same textures.
-constexpr int kImageRevision = 1;
+constexpr int kImageRevision = 2;
 
 int64_t render_missing(const Scene& scene, const std::vector<StoreKey>& keys, const Store& store, Progress& progress) {
   std::vector<int64_t> missing;

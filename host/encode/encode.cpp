@@ -104,7 +104,7 @@ bool finest(const std::vector<FieldJob>& jobs, double price) {
   for (const FieldJob& job : jobs) {
     const FieldCoder coder(job.shape, job.textures, job.setting, price);
     for (int level = 0; level < job.shape.pyramid.level_count; ++level) {
-      if (coder.steps(level)[0] > 1) return false;
+      if (coder.steps(level)[0] > kFinestStep) return false;
     }
   }
   return true;

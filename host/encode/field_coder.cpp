@@ -98,7 +98,7 @@ FieldCoder::FieldCoder(const FieldShape& shape, const FieldTextures& textures, c
     LevelSteps& steps = steps_.emplace_back();
     for (size_t p = 0; p < kNodePlanes; ++p) {
       steps[p] = static_cast<uint16_t>(
-          std::clamp(std::round(kStepUnitsPerCode * q / std::sqrt(static_cast<double>(kPlaneWeights[p]))), 1.0, 65535.0));
+          std::clamp(std::round(kStepUnitsPerCode * q / std::sqrt(static_cast<double>(kPlaneWeights[p]))), double{kFinestStep}, 65535.0));
     }
   }
 }

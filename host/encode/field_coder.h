@@ -21,6 +21,8 @@ namespace vitrine {
 inline constexpr std::array<float, kNodePlanes> kPlaneWeights = {1.0f, 1.0f / 6, 1.0f / 4};
 // A step of q codes belongs to a price of kPricePerStep2 * q^2 squared error per bit.
 inline constexpr double kPricePerStep2 = 0.10;
+// No step is finer: about one 8-bit level. The DC of a 32 x 32 block of the largest code still fits a coefficient level.
+inline constexpr uint16_t kFinestStep = 4 * kStepUnitsPerCode;
 
 // The leaves of a field, or of a part of its texels, in memory.
 struct FieldTextures {

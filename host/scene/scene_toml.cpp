@@ -148,7 +148,7 @@ ObjectDescription read_object(const TomlView& view) {
 }
 
 void check_storage(const TomlView& view, const std::string& storage) {
-  static const std::regex pattern(R"(\s*\d{1,12}(\.\d{1,6})?\s*(:\s*1|[kKMG]?B(/block)?)\s*)");
+  static const std::regex pattern(R"(\s*\d{1,12}(\.\d{1,6})?\s*(:\s*1|(KB|MB|B)\s*(/\s*block)?)\s*)");
   if (storage.size() > 64 || !std::regex_match(storage, pattern))
     view.fail("\"storage\" is " + in_quotes(storage),
               "write a size per block (\"150 KB/block\"), a ratio (\"384:1\") or a size in all (\"12 MB\")");

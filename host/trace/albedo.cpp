@@ -5,17 +5,6 @@
 
 namespace vitrine::trace {
 
-float AlbedoTable::lookup(float cosine, float roughness) const {
-  const float x = std::sqrt(std::clamp(cosine, 0.0f, 1.0f)) * (kSize - 1);
-  const float y = std::clamp(roughness, 0.0f, 1.0f) * (kSize - 1);
-  const int i = std::min(static_cast<int>(x), kSize - 2), j = std::min(static_cast<int>(y), kSize - 2);
-  const float s = x - static_cast<float>(i), t = y - static_cast<float>(j);
-  const float* row = &values_[static_cast<size_t>(j * kSize + i)];
-  const float low = row[0] + s * (row[1] - row[0]);
-  const float high = row[kSize] + s * (row[kSize + 1] - row[kSize]);
-  return low + t * (high - low);
-}
-
 namespace {
 
 constexpr int kStrata = 24;  // per dimension, midpoint rule over the square that visible normals are drawn from

@@ -5,9 +5,11 @@ namespace vitrine::trace {
 namespace {
 
 constexpr int kMaxScatterings = 64;
-constexpr int kMaxVertices = 256;  // with surfaces that are passed through
-constexpr int kCandidates = 4;
+constexpr int kMaxVertices = 256;        // with surfaces that are passed through
+constexpr int kCandidates = 4;           // at the first vertex, whose noise is seen most; one later
 constexpr int kRouletteFrom = 2;         // scatterings after which paths may end early
+constexpr float kRouletteGain = 4;       // they do so below a quarter of their light: the best noise for time in a lit room
+constexpr float kRouletteGain = 1.0f;    // chance to go on, per throughput
 constexpr float kStraightAlpha = 0.25f;  // lobes this wide take light straight through glass
 
 float power_heuristic(float a, float b) {
@@ -148,7 +150,7 @@ glm::vec3 Integrator::follow(Path& path, Sampler& sampler) const {
     add(sampled.diffuse + sampled.specular, path.scatterings == 0);
     if (!scatter(path, surface, bsdf, Continuation::kEither, sampler)) break;
     if (path.scatterings < kRouletteFrom) continue;
-    if (!survives_roulette(path, max_component(path.throughput) * path.radiance_scale, sampler.get1d())) break;
+    if (!survives_roulette(path, kRouletteGain * max_component(path.throughput) * path.radiance_scale, sampler.get1d())) break;
   }
   return direct + bounded(indirect, settings_.max_radiance);
 }
@@ -189,7 +191,7 @@ Integrator::Direct Integrator::sample_lights(const Path& path, const Surface& su
   const float pick = sampler.get1d();
   const glm::vec2 point = sampler.get2d();
   float choice = sampler.get1d();
-  const int count = lights_.single() ? 1 : kCandidates;
+  const int count = lights_.single() || path.scatterings > 0 ? 1 : kCandidates;
 
   // Draw candidates and keep one in proportion to what it would give if nothing were in the way.
   Candidate kept;
@@ -218,8 +220,8 @@ Integrator::Direct Integrator::sample_lights(const Path& path, const Surface& su
 
   const glm::vec3 origin = leave(surface, kept.light.wi);
   const float reach = std::isfinite(kept.light.distance) ? kept.light.distance * 0.9999f - surface.margin : kept.light.distance;
-  const bool straight = settings_.straight_shadows &&
-                        (!is_black(kept.value.diffuse) || bsdf.wide(kStraightAlpha) || kept.light.punctual);
+  const bool straight =
+      settings_.straight_shadows && (!is_black(kept.value.diffuse) || bsdf.wide(kStraightAlpha) || kept.light.punctual);
   const Shadow shadow = world_.shadow({origin, kept.light.wi, 0, std::max(reach, 0.0f)}, straight, path.media.absorption());
   if (is_black(shadow.transmittance)) return {};
   Direct light = shadow.through_glass ? weigh_through_glass(kept, bsdf) : weigh(kept, bsdf, split);

@@ -6,8 +6,8 @@
 // lobe and fills `diffuse` (with the surface's emission), one by all other lobes and fills `specular`. Later vertices draw one
 // lobe at random. What lies behind a cut-out or blended first surface belongs to that surface's `specular`.
 //
-// Lights. A vertex draws up to four candidate points of lights, keeps one by its unshadowed contribution (resampling, Talbot et
-// al. 2005; the MIS weights are inside, so the estimate stays unbiased) and sends one shadow ray.
+// Lights. The first vertex draws four candidate points of lights (later ones draw one), keeps one by its unshadowed contribution
+// (resampling, Talbot et al. 2005; the MIS weights are inside, so the estimate stays unbiased) and sends one shadow ray.
 //
 // Glass in the way of a shadow ray. For diffuse and rough lobes (alpha >= 1/4) light goes straight through, losing Fresnel
 // reflection, tint and absorption on its way ("straight-through shadows"); the refracted paths that such lobes start are then

@@ -6,6 +6,7 @@
 // where stratification is lost anyway, draw from a hash.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec2.hpp>
 
@@ -30,10 +31,48 @@ class Sampler {
     stratified_ = vertex < kStratifiedVertices;
   }
   // Uniform in [0, 1). At most 16 calls per vertex.
-  float get1d();
-  glm::vec2 get2d();
+  float get1d() {
+    const uint32_t h = next_dimension();
+    if (!stratified_) return to_unit(hash_u32(h + index_ * 0x9e3779b9u));
+    return to_unit(reverse_bits(scramble_reversed(shuffled_index(h), h * 0xb5297a4du + 1)));
+  }
+  glm::vec2 get2d() {
+    const uint32_t h = next_dimension();
+    if (!stratified_) {
+      const uint32_t a = hash_u32(h + index_ * 0x9e3779b9u);
+      return {to_unit(a), to_unit(hash_u32(a + 0x68e31da4u))};
+    }
+    const uint32_t i = shuffled_index(h);
+    const uint32_t x = reverse_bits(scramble_reversed(i, hash_u32(h + 1)));
+    const uint32_t y = reverse_bits(scramble_reversed(kSecondDimension[i], hash_u32(h + 2)));
+    return {to_unit(x), to_unit(y)};
+  }
 
  private:
+  static constexpr uint32_t kTableBits = 12, kTableSize = 1u << kTableBits;
+  static const std::array<uint32_t, kTableSize> kSecondDimension;  // of the Sobol' sequence, bit-reversed
+
+  static constexpr uint32_t reverse_bits(uint32_t x) {
+    x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
+    x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
+    x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
+    return __builtin_bswap32(x);
+  }
+  // An Owen scramble of a bit-reversed number: each bit is flipped by a hash of the bits below it.
+  static constexpr uint32_t scramble_reversed(uint32_t x, uint32_t seed) {
+    x ^= x * 0x3d20adeau;
+    x += seed;
+    x *= (seed >> 16) | 1u;
+    x ^= x * 0x05526c56u;
+    return x ^ (x * 0x53a22864u);
+  }
+  static float to_unit(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
+  static std::array<uint32_t, kTableSize> make_second_dimension();
+  uint32_t next_dimension() { return hash_u32(pixel_hash_ ^ (dimension_++ * 0x9e3779b9u)); }
+  uint32_t shuffled_index(uint32_t seed) const {
+    return reverse_bits(scramble_reversed(index_reversed_, seed)) & (kTableSize - 1);
+  }
+
   static constexpr uint32_t kStratifiedVertices = 4;
   uint32_t pixel_hash_, index_reversed_, index_;
   uint32_t dimension_ = 0;

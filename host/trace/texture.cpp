@@ -26,6 +26,7 @@ const Table kLinear = make_linear_table();
 const Table kSrgb = make_srgb_table();
 
 int wrap(int i, int size, Wrap mode) {
+  if (i >= 0 && i < size) return i;
   if (mode == Wrap::kClamp) return std::clamp(i, 0, size - 1);
   const int period = mode == Wrap::kMirror ? 2 * size : size;
   const int m = ((i % period) + period) % period;

@@ -1,6 +1,8 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 #include "host/trace/world.h"
 
+#include <tbb/task_arena.h>
+
 #include <cstring>
 #include <glm/gtc/matrix_inverse.hpp>
 #include <glm/gtc/type_ptr.hpp>
@@ -69,9 +71,19 @@ SurfacePoint PosedObject::point_at(int triangle, float u, float v) const {
   return point;
 }
 
+namespace {
+
+// On one thread: the BVH, and with it which of two equally near triangles wins, must not depend on the machine. (A device with
+// "threads=1" would instead hold all of TBB to one thread.)
+void commit(RTCScene scene) {
+  tbb::task_arena arena(1);
+  arena.execute([scene] { rtcCommitScene(scene); });
+}
+
+}  // namespace
+
 World::World(const Scene& scene) : scene_(scene), materials_(prepare_materials(scene)) {
-  // One build thread: the BVH, and with it which of two equally near triangles wins, must not depend on the machine.
-  device_ = rtcNewDevice("threads=1");
+  device_ = rtcNewDevice(nullptr);
   if (!device_) throw std::runtime_error("Embree does not start on this machine");
   root_ = rtcNewScene(device_);
   const size_t count = scene.objects.size();
@@ -116,7 +128,7 @@ void World::build_object(size_t index) {
   RTCScene object_scene = rtcNewScene(device_);
   rtcAttachGeometry(object_scene, mesh);
   rtcReleaseGeometry(mesh);
-  rtcCommitScene(object_scene);
+  commit(object_scene);
   object_scenes_[index] = object_scene;
 
   RTCGeometry instance = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_INSTANCE);
@@ -143,7 +155,7 @@ void World::pose(const Position& position) {
     rtcSetGeometryTransform(instances_[i], 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, glm::value_ptr(posed.world_from_object));
     rtcCommitGeometry(instances_[i]);
   }
-  rtcCommitScene(root_);
+  commit(root_);
   RTCBounds bounds;
   rtcGetSceneBounds(root_, &bounds);
   const glm::vec3 low(bounds.lower_x, bounds.lower_y, bounds.lower_z), high(bounds.upper_x, bounds.upper_y, bounds.upper_z);
