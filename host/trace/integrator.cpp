@@ -9,7 +9,6 @@ constexpr int kMaxVertices = 256;        // with surfaces that are passed throug
 constexpr int kCandidates = 4;           // at the first vertex, whose noise is seen most; one later
 constexpr int kRouletteFrom = 2;         // scatterings after which paths may end early
 constexpr float kRouletteGain = 4;       // they do so below a quarter of their light: the best noise for time in a lit room
-constexpr float kRouletteGain = 1.0f;    // chance to go on, per throughput
 constexpr float kStraightAlpha = 0.25f;  // lobes this wide take light straight through glass
 
 float power_heuristic(float a, float b) {
