@@ -9,6 +9,8 @@ constexpr int kMaxVertices = 256;        // with surfaces that are passed throug
 constexpr int kCandidates = 4;           // at the first vertex, whose noise is seen most; one later
 constexpr int kRouletteFrom = 2;         // scatterings after which paths may end early
 constexpr float kRouletteGain = 4;       // they do so below a quarter of their light: the best noise for time in a lit room
+constexpr int kSpecularPaths = 4;         // into the specular lobe of the first hit, per camera ray; twice as many where it dominates
+constexpr float kFaintSpecular = 0.02f, kStrongSpecular = 0.5f;  // its albedo below which one path is enough; above which it dominates
 constexpr float kStraightAlpha = 0.25f;  // lobes this wide take light straight through glass
 
 float power_heuristic(float a, float b) {
@@ -107,15 +109,26 @@ CameraSample Integrator::trace(const Ray& camera_ray, Sampler& sampler) const {
     sampler.start_vertex(diffuse.stream, 0);
     if (scatter(diffuse, surface, bsdf, Continuation::kDiffuse, sampler)) result.diffuse += follow(diffuse, sampler);
   }
-  if (bsdf.has_specular()) {
-    path.stream = 2;
+  if (bsdf.has_specular()) result.specular += trace_specular(path, surface, bsdf, sampler);
+  return result;
+}
+
+// Reflections and refractions change with every view, so each frame owes its own paths to them; what is diffuse is averaged
+// over all views when textures are inferred.
+glm::vec3 Integrator::trace_specular(const Path& start, const Surface& surface, const Bsdf& bsdf, Sampler& sampler) const {
+  const float albedo = bsdf.specular_albedo();
+  const int paths = albedo < kFaintSpecular ? 1 : albedo < kStrongSpecular ? kSpecularPaths : 2 * kSpecularPaths;
+  const float chance = albedo < kFaintSpecular ? std::clamp(albedo / kFaintSpecular, 0.1f, 1.0f) : 1.0f;
+  glm::vec3 sum(0);
+  for (int i = 0; i < paths; ++i) {
+    Path path = start;
+    path.stream = 2 + static_cast<uint32_t>(i);
     sampler.start_vertex(path.stream, 0);
-    const float chance = std::clamp(4 * bsdf.specular_albedo(), 0.1f, 1.0f);
     if (survives_roulette(path, chance, sampler.get1d()) && scatter(path, surface, bsdf, Continuation::kSpecular, sampler)) {
-      result.specular += follow(path, sampler);
+      sum += follow(path, sampler);
     }
   }
-  return result;
+  return sum / static_cast<float>(paths);
 }
 
 glm::vec3 Integrator::follow(Path& path, Sampler& sampler) const {

@@ -51,6 +51,7 @@ class Integrator {
   enum class Continuation : uint8_t { kDiffuse, kSpecular, kEither };
 
   CameraSample backdrop(const glm::vec3& direction) const;
+  glm::vec3 trace_specular(const Path& start, const Surface& surface, const Bsdf& bsdf, Sampler& sampler) const;
   glm::vec3 follow(Path& path, Sampler& sampler) const;
   bool advance_through_cut(const Surface& surface, const Hit& hit, Path& path, Sampler& sampler) const;
   glm::vec3 emitted(const Path& path, const Surface& surface) const;

@@ -148,6 +148,7 @@ void World::pose(const Position& position) {
         varied ? object.variant_materials[static_cast<size_t>(pose_.variant)].data() : object.geometry.triangle_materials.data();
     posed.world_from_object = world_from_object(scene_, pose_, static_cast<int>(i));
     const glm::mat3 linear(posed.world_from_object);
+    posed.scale = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
     posed.orientation = glm::determinant(linear) < 0 ? -1.0f : 1.0f;
     posed.normal_from_object = glm::inverseTranspose(linear);
     posed.emission = i < pose_.object_emission.size() ? pose_.object_emission[i] : 1.0f;
@@ -182,18 +183,18 @@ Surface World::surface_at(const Ray& ray, const Hit& hit) const {
   const Geometry& g = posed.object->geometry;
   const uint32_t* corner = &g.indices[3 * static_cast<size_t>(hit.triangle)];
   const glm::vec3 barycentric(1 - hit.u - hit.v, hit.u, hit.v);
-  const glm::vec3 a = transform_point(posed.world_from_object, g.positions[corner[0]]);
-  const glm::vec3 b = transform_point(posed.world_from_object, g.positions[corner[1]]);
-  const glm::vec3 c = transform_point(posed.world_from_object, g.positions[corner[2]]);
+  const glm::vec3 &a = g.positions[corner[0]], &b = g.positions[corner[1]], &c = g.positions[corner[2]];
   Surface s;
   s.object = hit.object;
   s.triangle = hit.triangle;
   s.material = &posed.material(static_cast<size_t>(hit.triangle));
-  s.position = barycentric.x * a + barycentric.y * b + barycentric.z * c;
-  s.margin = 4e-6f * std::max({largest_coordinate(a), largest_coordinate(b), largest_coordinate(c)});
-  const glm::vec3 cross = glm::cross(b - a, c - a);
+  s.position = transform_point(posed.world_from_object, barycentric.x * a + barycentric.y * b + barycentric.z * c);
+  // Rounding of the interpolation, in the object's space, and of the transform.
+  const float coordinate = std::max({largest_coordinate(a), largest_coordinate(b), largest_coordinate(c)});
+  s.margin = 4e-6f * (posed.scale * coordinate + largest_coordinate(glm::vec3(posed.world_from_object[3])));
+  const glm::vec3 cross = posed.normal_from_object * glm::cross(b - a, c - a);
   const float length = glm::length(cross);
-  s.geometric = length > 0 ? cross * (posed.orientation / length) : -ray.direction;
+  s.geometric = length > 0 ? cross / length : -ray.direction;
   s.back = glm::dot(s.geometric, ray.direction) > 0;
   s.emission = posed.emission;
   s.point = posed.point_at(hit.triangle, hit.u, hit.v);

@@ -56,6 +56,7 @@ struct PosedObject {
   glm::mat4 world_from_object{1};
   glm::mat3 normal_from_object{1};  // inverse transpose
   float orientation = 1;            // sign of the determinant
+  float scale = 1;                  // largest, of lengths
   float emission = 1;
   const Scene* scene = nullptr;
 
