@@ -28,12 +28,12 @@ std::vector<DrawnObject> draw_objects(const Scene& scene) {
   return objects;
 }
 
-std::vector<GeometryState> geometry_states(const Scene& scene, const StateTable& table, const std::vector<DrawnObject>& objects,
-                                           const InferenceOptions& options) {
-  const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
-  std::vector<GeometryState> states;
-  for (const auto& samples : table.samples_of_state) states.push_back(geometry_state_at(scene, samples.front(), objects, aspect));
-  return states;
+// Without what is outside the picture in all states, like a lamp above it.
+std::vector<DrawnObject> objects_in_picture(std::vector<DrawnObject> all, const std::vector<GeometryState>& states) {
+  std::vector<DrawnObject> inside;
+  for (size_t i = 0; i < all.size(); ++i)
+    if (may_be_seen(all[i], i, states)) inside.push_back(std::move(all[i]));
+  return inside;
 }
 
 bool is_constant_backdrop(const Object& object, const ObjectLight& light) {
@@ -46,8 +46,8 @@ std::vector<DrawnObject> fit_objects(const Scene& scene, std::vector<DrawnObject
   std::vector<DrawnObject> fitted;
   for (size_t i = 0; i < all.size(); ++i) {
     if (!surveys[i].visible()) continue;
-    const Object& object = scene.objects[i];
-    const int limit = is_constant_backdrop(object, lights[i]) ? 8 : options.max_texture_size;
+    const Object& object = scene.objects[static_cast<size_t>(all[i].object)];
+    const int limit = is_constant_backdrop(object, lights[static_cast<size_t>(all[i].object)]) ? 8 : options.max_texture_size;
     fit_texture(all[i], surveys[i], options.texels_per_pixel * object.resolution_scale, limit);
     fitted.push_back(std::move(all[i]));
   }
@@ -78,27 +78,29 @@ size_t stride_for_memory(size_t states, const InferenceOptions& options) {
 
 Inference infer_textures(const Scene& scene, const std::vector<StoreKey>& frames, const Store& store, hal::Gpu& gpu,
                          const InferenceOptions& options, Progress& progress) {
-  const ParameterSpace space = scene.space();
-  const StateTable table = make_states(space, geometry_axes(scene));
   const std::vector<ObjectLight> lights = survey_light(scene, frames, store);
+  const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
+  const auto states_of = [&](const std::vector<DrawnObject>& objects) {
+    return make_geometry_states(scene, geometry_axes(scene), objects, aspect);
+  };
   Inference inference;
   inference.objects = draw_objects(scene);
+  inference.objects = objects_in_picture(std::move(inference.objects), states_of(inference.objects).states);
   std::vector<ObjectSurvey> surveys;
   {
     TestRenderer renderer(gpu, options, inference.objects);
-    surveys = survey_objects(renderer, inference.objects.size(), options.supersampling,
-                             geometry_states(scene, table, inference.objects, options));
+    surveys = survey_objects(renderer, inference.objects.size(), options.supersampling, states_of(inference.objects).states);
   }
   inference.objects = fit_objects(scene, std::move(inference.objects), surveys, lights, options);
   inference.fields = make_fields(scene, inference.objects, lights);
-  const size_t stride = stride_for_memory(table.samples_of_state.size(), options);
+  GeometryStates geometry = states_of(inference.objects);
+  const size_t stride = stride_for_memory(geometry.states.size(), options);
   if (stride > 1)
     inference.warnings.push_back(
         fmt::format("rendering matrices of all {} views would need more than {} MB: layers that do not depend on the view are "
                     "inferred from every {}. view",
-                    table.samples_of_state.size(), options.max_matrix_bytes >> 20, stride));
-  InferenceRun run(scene, frames, store, gpu, options, table, geometry_states(scene, table, inference.objects, options), stride,
-                   inference);
+                    geometry.states.size(), options.max_matrix_bytes >> 20, stride));
+  InferenceRun run(scene, frames, store, gpu, options, geometry.table, std::move(geometry.states), stride, inference);
   run.solve_missing(progress);
   return inference;
 }

@@ -11,7 +11,7 @@
 namespace vitrine {
 namespace {
 
-constexpr int kInferenceVersion = 1;  // changes whenever the same input would give other textures
+constexpr int kInferenceVersion = 2;  // changes whenever the same input would give other textures
 constexpr size_t kBatch = 8;          // states read at once, if their frames stay below
 constexpr size_t kBatchFrameBytes = size_t{1} << 30;
 constexpr size_t kFramePixelBytes = 40;  // of a loaded frame: the picture, and layers of about one object a pixel
@@ -62,6 +62,7 @@ StoreKey InferenceRun::base_key() const {
   key.text(gpu_.info().renderer);
   for (const int value : {options_.width, options_.height, options_.supersampling, options_.iterations}) key.integer(value);
   key.number(static_cast<double>(options_.regularization));
+  key.number(static_cast<double>(scene_.settings.exposure));
   for (const DrawnObject& object : inference_.objects) {
     key.integer(object.culled_index_count);
     key.bytes(object.indices.data(), object.indices.size() * sizeof(uint32_t));
@@ -232,7 +233,8 @@ void InferenceRun::add_use(TextureSolver& solver, const SolveGroup& group, const
     for (const int64_t sample : own)
       frames.push_back(
           &data.frames[static_cast<size_t>(std::lower_bound(samples.begin(), samples.end(), sample) - samples.begin())]);
-    layers.push_back(layer_in_window(observation.matrix->window(), inference_.objects[object].object, layer_of(group), frames));
+    layers.push_back(layer_in_window(observation.matrix->window(), inference_.objects[object].object, layer_of(group), frames,
+                                     1 / scene_.settings.exposure));
   }
   solver.add(observation, layers);
 }

@@ -48,13 +48,15 @@ Observation make_observation(const FilteredMatrix& matrix, int object, std::span
   return observation;
 }
 
-std::vector<glm::vec3> layer_in_window(const PixelWindow& window, int object, Layer layer, std::span<const Frame* const> frames) {
+std::vector<glm::vec3> layer_in_window(const PixelWindow& window, int object, Layer layer, std::span<const Frame* const> frames,
+                                       float white) {
+  const glm::vec3 brightest(kHeadroom * white);
   std::vector<glm::vec3> values(static_cast<size_t>(window.width) * static_cast<size_t>(window.height), glm::vec3(0));
   const float share = 1.0f / static_cast<float>(frames.size());
   for (const Frame* frame : frames)
     if (const ObjectFrame* found = find_object(*frame, object)) {
       const std::vector<glm::vec3>& light = layer == Layer::kDiffuse ? found->diffuse : found->specular;
-      for_each_common(window, *found, [&](size_t p, size_t q) { values[p] += share * light[q]; });
+      for_each_common(window, *found, [&](size_t p, size_t q) { values[p] += share * glm::min(light[q], brightest); });
     }
   return values;
 }

@@ -19,7 +19,13 @@ inline constexpr float kMinCoverage = 1.0f / 16;
 // W = the smaller of the coverages of the device and of all `frames` of the state.
 Observation make_observation(const FilteredMatrix& matrix, int object, std::span<const Frame* const> frames);
 
-// The mean of the frames' layers over the matrix' window; 0 where a frame does not show the object.
-std::vector<glm::vec3> layer_in_window(const PixelWindow& window, int object, Layer layer, std::span<const Frame* const> frames);
+// Light beyond this many times display white is cut before textures are solved for: a pixel looks no brighter for it, but least
+// squares would spend themselves on the lamp's own reflection and ring around it.
+inline constexpr float kHeadroom = 2;
+
+// The mean of the frames' layers over the matrix' window; 0 where a frame does not show the object. `white`: the radiance that
+// the display shows as white.
+std::vector<glm::vec3> layer_in_window(const PixelWindow& window, int object, Layer layer, std::span<const Frame* const> frames,
+                                       float white);
 
 }  // namespace vitrine

@@ -1,6 +1,8 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 #include "host/infer/texture_size.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -13,6 +15,7 @@ namespace {
 constexpr int kSurveySize = 256;      // of identifier textures; coordinates are exact but for half a texel at the border
 constexpr float kLargestStep = 0.1f;  // of u, v between neighbours; more is the border of a chart
 constexpr double kShare = 0.9;        // of the visible pixels that get enough texels
+constexpr int kBandRows = 64;
 constexpr int kSizeStep = 8, kMarginTexels = 2;
 constexpr float kBinsPerOctave = 16, kFirstOctave = -20;
 
@@ -50,6 +53,21 @@ std::optional<glm::vec2> stretch_at(const Picture& picture, int x, int y) {
   return glm::vec2(std::hypot(along_x->y, along_y->y), std::hypot(along_x->x, along_y->x)) / determinant;
 }
 
+// Every second supersample each way is enough for stretch.
+std::vector<ObjectSurvey> survey_rows(const Picture& picture, int first, int last, size_t object_count, int supersampling) {
+  std::vector<ObjectSurvey> surveys(object_count);
+  for (int y = first; y < last; ++y)
+    for (int x = 0; x < picture.width; ++x) {
+      const glm::vec4& here = *picture.at(x, y);
+      if (here.w < 0.5f) continue;
+      ObjectSurvey& survey = surveys[static_cast<size_t>(here.w + 0.5f) - 1];
+      survey.include(glm::vec2(here));
+      if ((x | y) & 1) continue;
+      if (const auto stretch = stretch_at(picture, x, y)) survey.count(*stretch / static_cast<float>(supersampling));
+    }
+  return surveys;
+}
+
 int fitted_size(float texels, int max_size) {
   const int limit = std::max(kSizeStep, max_size / kSizeStep * kSizeStep);
   if (!(texels < static_cast<float>(limit))) return limit;
@@ -70,15 +88,21 @@ void ObjectSurvey::count(const glm::vec2& pixels) {
   }
 }
 
+void ObjectSurvey::merge(const ObjectSurvey& other) {
+  low_ = glm::min(low_, other.low_);
+  high_ = glm::max(high_, other.high_);
+  for (size_t d = 0; d < 2; ++d)
+    for (size_t bin = 0; bin < kBins; ++bin) histograms_[d][bin] += other.histograms_[d][bin];
+}
+
 glm::vec2 ObjectSurvey::pixels_per_unit() const {
   glm::vec2 result(0);
   for (int d = 0; d < 2; ++d) {
     const auto& histogram = histograms_[static_cast<size_t>(d)];
     int64_t total = 0, below = 0;
     for (const int64_t n : histogram) total += n;
-    int bin = 0;
-    while (bin < kBins && static_cast<double>(below) < kShare * static_cast<double>(total))
-      below += histogram[static_cast<size_t>(bin++)];
+    size_t bin = 0;
+    while (bin < kBins && static_cast<double>(below) < kShare * static_cast<double>(total)) below += histogram[bin++];
     result[d] = total ? std::exp2(static_cast<float>(bin) / kBinsPerOctave + kFirstOctave) : 0;
   }
   return result;
@@ -98,14 +122,14 @@ std::vector<ObjectSurvey> survey_objects(TestRenderer& renderer, size_t object_c
   const Picture picture{identifiers, renderer.width(), renderer.height()};
   for (const GeometryState& state : states) {
     renderer.render(state, textures, identifiers);
-    for (int y = 0; y < picture.height; ++y)
-      for (int x = 0; x < picture.width; ++x) {
-        const glm::vec4& here = *picture.at(x, y);
-        if (here.w < 0.5f) continue;
-        ObjectSurvey& survey = surveys[static_cast<size_t>(here.w + 0.5f) - 1];
-        survey.include(glm::vec2(here));
-        if (const auto stretch = stretch_at(picture, x, y)) survey.count(*stretch / static_cast<float>(supersampling));
-      }
+    const int bands = (picture.height + kBandRows - 1) / kBandRows;
+    std::vector<std::vector<ObjectSurvey>> parts(static_cast<size_t>(bands));
+    tbb::parallel_for(0, bands, [&](int band) {
+      parts[static_cast<size_t>(band)] =
+          survey_rows(picture, band * kBandRows, std::min(picture.height, (band + 1) * kBandRows), object_count, supersampling);
+    });
+    for (const auto& part : parts)
+      for (size_t i = 0; i < object_count; ++i) surveys[i].merge(part[i]);
   }
   for (const hal::Texture texture : textures) renderer.gpu().destroy(texture);
   return surveys;

@@ -25,9 +25,10 @@ class ObjectSurvey {
 
   void include(const glm::vec2& uv);
   void count(const glm::vec2& pixels_per_unit);
+  void merge(const ObjectSurvey& other);
 
  private:
-  static constexpr int kBins = 640;
+  static constexpr size_t kBins = 640;
   glm::vec2 low_{1e30f}, high_{-1e30f};
   std::array<std::array<int64_t, kBins>, 2> histograms_{};  // over the logarithm, 16 bins an octave
 };

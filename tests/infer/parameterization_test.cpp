@@ -46,8 +46,10 @@ Geometry torus(int columns, int rows) {
   Geometry g;
   for (int j = 0; j < rows; ++j)
     for (int i = 0; i < columns; ++i) {
-      const float a = 6.2831853f * static_cast<float>(i) / static_cast<float>(columns), b = 6.2831853f * static_cast<float>(j) / static_cast<float>(rows);
-      g.positions.emplace_back((2 + 0.7f * std::cos(b)) * std::cos(a), 0.7f * std::sin(b), (2 + 0.7f * std::cos(b)) * std::sin(a));
+      const float a = 6.2831853f * static_cast<float>(i) / static_cast<float>(columns),
+                  b = 6.2831853f * static_cast<float>(j) / static_cast<float>(rows);
+      g.positions.emplace_back((2 + 0.7f * std::cos(b)) * std::cos(a), 0.7f * std::sin(b),
+                               (2 + 0.7f * std::cos(b)) * std::sin(a));
     }
   for (int j = 0; j < rows; ++j)
     for (int i = 0; i < columns; ++i) {
@@ -119,8 +121,11 @@ struct Shape {
   Geometry geometry;
 };
 std::vector<Shape> shapes() {
-  return {{"sphere", without_texcoords(make_sphere(1, 32, 16))}, {"box", without_texcoords(make_box({1, 2, 3}))}, {"torus", torus(48, 24)},
-          {"spiral", spiral_ramp(4)}, {"crumpled", crumpled_sheet(20)}};
+  return {{"sphere", without_texcoords(make_sphere(1, 32, 16))},
+          {"box", without_texcoords(make_box({1, 2, 3}))},
+          {"torus", torus(48, 24)},
+          {"spiral", spiral_ramp(4)},
+          {"crumpled", crumpled_sheet(20)}};
 }
 
 TEST(Parameterization, EveryPointOfTheSurfaceHasAPlaceOfItsOwn) {
@@ -141,7 +146,8 @@ TEST(Parameterization, AreasStayInProportion) {
     }
     // Projection shortens by the cosine of 65 degrees at most; on the mean by less.
     for (size_t t = 0; t < corners.size() / 3; ++t) {
-      const double share = uv_area(std::span(corners).subspan(3 * t, 3)) / texture_sum / (surface_area(shape.geometry, t) / surface_sum);
+      const double share =
+          uv_area(std::span(corners).subspan(3 * t, 3)) / texture_sum / (surface_area(shape.geometry, t) / surface_sum);
       EXPECT_GT(share, 0.4) << "triangle " << t;
       EXPECT_LT(share, 1.5) << "triangle " << t;
     }

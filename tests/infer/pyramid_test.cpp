@@ -29,7 +29,8 @@ class PyramidSizes : public ::testing::TestWithParam<std::pair<int, int>> {
   Pyramid pyramid{GetParam().first, GetParam().second};
 };
 INSTANTIATE_TEST_SUITE_P(Sizes, PyramidSizes,
-                         ::testing::Values(std::pair{64, 32}, std::pair{24, 40}, std::pair{37, 29}, std::pair{1, 1}, std::pair{8, 1}, std::pair{5, 64}));
+                         ::testing::Values(std::pair{64, 32}, std::pair{24, 40}, std::pair{37, 29}, std::pair{1, 1},
+                                           std::pair{8, 1}, std::pair{5, 64}));
 
 TEST_P(PyramidSizes, DecimationAndItsTransposeAreAdjoint) {
   std::vector<float> x = random_vector(pyramid.finest_size(), 1), mx = x;
@@ -63,7 +64,9 @@ TEST_P(PyramidSizes, TheGradientOfGammaIsItsDerivative) {
     const Pyramid::Level& level = pyramid.levels()[l];
     for (int y = 0; y < level.height; ++y)
       for (int x = 0; x < level.width; ++x)
-        gamma += std::pow(static_cast<double>(a[level.offset + static_cast<size_t>(y * level.width + x)] - pyramid.interpolate(a.data(), l, x, y)), 2);
+        gamma += std::pow(static_cast<double>(a[level.offset + static_cast<size_t>(y * level.width + x)] -
+                                              pyramid.interpolate(a.data(), l, x, y)),
+                          2);
   }
   EXPECT_NEAR(dot(a, ga), gamma, 1e-3 * (1 + gamma));
 }

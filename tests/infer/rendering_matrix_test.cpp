@@ -29,7 +29,8 @@ std::vector<DrawnObject> board_and_card(int board_width, int board_height, int c
 }
 
 GeometryState looking_down(float aspect) {
-  const glm::mat4 clip = glm::perspective(0.9f, aspect, 0.1f, 50.0f) * glm::lookAt(glm::vec3(0.3f, 0.6f, 3), glm::vec3(0, -0.5f, 0), glm::vec3(0, 1, 0));
+  const glm::mat4 clip = glm::perspective(0.9f, aspect, 0.1f, 50.0f) *
+                         glm::lookAt(glm::vec3(0.3f, 0.6f, 3), glm::vec3(0, -0.5f, 0), glm::vec3(0, 1, 0));
   return {{clip, clip}, {0, 0}};
 }
 
@@ -52,7 +53,8 @@ class RenderingMatrixTest : public ::testing::Test {
   std::vector<glm::vec4> render(const std::vector<std::vector<glm::vec4>>& texels) {
     std::vector<hal::Texture> textures;
     for (size_t i = 0; i < texels.size(); ++i)
-      textures.push_back(create_pyramid_texture(*gpu, renderer->drawer(), pyramids[i], hal::TextureFormat::kRgba32f, std::as_bytes(std::span(texels[i]))));
+      textures.push_back(create_pyramid_texture(*gpu, renderer->drawer(), pyramids[i], hal::TextureFormat::kRgba32f,
+                                                std::as_bytes(std::span(texels[i]))));
     std::vector<glm::vec4> pixels(static_cast<size_t>(renderer->width() * renderer->height()));
     renderer->render(state, textures, pixels);
     for (const hal::Texture texture : textures) gpu->destroy(texture);
@@ -61,7 +63,8 @@ class RenderingMatrixTest : public ::testing::Test {
   // Index of a sample of the matrix in a rendered picture.
   size_t place(const ObjectMatrix& rows, uint32_t sample) const {
     const int s = options.supersampling, columns = rows.window.width * s;
-    const int x = rows.window.x * s + static_cast<int>(sample) % columns, y = rows.window.y * s + static_cast<int>(sample) / columns;
+    const int x = rows.window.x * s + static_cast<int>(sample) % columns,
+              y = rows.window.y * s + static_cast<int>(sample) / columns;
     return static_cast<size_t>((renderer->height() - 1 - y) * renderer->width() + x);
   }
 
@@ -98,12 +101,15 @@ TEST_F(RenderingMatrixTest, TheMatrixTimesATextureIsItsRendering) {
     for (size_t i = 0; i < matrix.size(); ++i)
       for (size_t s = 0; s < matrix[i].samples.size(); ++s) {
         glm::vec4 sum(0);
-        for (uint32_t e = matrix[i].starts[s]; e < matrix[i].starts[s + 1]; ++e) sum += matrix[i].entries[e].weight * texels[i][matrix[i].entries[e].texel];
+        for (uint32_t e = matrix[i].starts[s]; e < matrix[i].starts[s + 1]; ++e)
+          sum += matrix[i].entries[e].weight * texels[i][matrix[i].entries[e].texel];
         const glm::vec4 drawn = pixels[place(matrix[i], matrix[i].samples[s])];
-        ASSERT_LT(glm::length(sum - drawn), 1e-4f) << "object " << i << ", sample " << s << ", texture " << width << " x " << height;
+        ASSERT_LT(glm::length(sum - drawn), 1e-4f)
+            << "object " << i << ", sample " << s << ", texture " << width << " x " << height;
         ++seen;
       }
-    EXPECT_EQ(seen, static_cast<size_t>(std::count_if(pixels.begin(), pixels.end(), [](const glm::vec4& p) { return p.w > 0.5f; })));
+    EXPECT_EQ(seen,
+              static_cast<size_t>(std::count_if(pixels.begin(), pixels.end(), [](const glm::vec4& p) { return p.w > 0.5f; })));
   }
 }
 

@@ -59,7 +59,8 @@ hal::Texture upload_truth(hal::Gpu& gpu, SceneDrawer& drawer, int object, const 
   for (const Pyramid::Level& level : pyramid.levels())
     for (int y = 0; y < level.height; ++y)
       for (int x = 0; x < level.width; ++x)
-        texels.emplace_back(color((glm::vec2(x, y) + 0.5f) / glm::vec2(level.width, level.height)), static_cast<float>(object + 1));
+        texels.emplace_back(color((glm::vec2(x, y) + 0.5f) / glm::vec2(level.width, level.height)),
+                            static_cast<float>(object + 1));
   return create_pyramid_texture(gpu, drawer, pyramid, hal::TextureFormat::kRgba32f, std::as_bytes(std::span(texels)));
 }
 
@@ -135,7 +136,8 @@ ScratchStore::ScratchStore() {
 }
 ScratchStore::~ScratchStore() { std::filesystem::remove_all(path_); }
 
-std::vector<StoreKey> draw_frames(const Scene& scene, const Truth& truth, const InferenceOptions& o, hal::Gpu& gpu, const Store& store) {
+std::vector<StoreKey> draw_frames(const Scene& scene, const Truth& truth, const InferenceOptions& o, hal::Gpu& gpu,
+                                  const Store& store) {
   const ParameterSpace space = scene.space();
   const Pose pose = pose_scene(scene, space.position_of({}));
   std::vector<DrawnObject> objects;
@@ -149,14 +151,16 @@ std::vector<StoreKey> draw_frames(const Scene& scene, const Truth& truth, const 
     const size_t pixels = static_cast<size_t>(o.width * o.height);
     Frame frame{o.width, o.height, std::vector<glm::vec3>(pixels, glm::vec3(0)), {}};
     for (int i = 0; i < static_cast<int>(objects.size()); ++i)
-      frame.objects.push_back({i, 0, 0, o.width, o.height, std::vector<float>(pixels), std::vector<glm::vec3>(pixels), std::vector<glm::vec3>(pixels)});
+      frame.objects.push_back({i, 0, 0, o.width, o.height, std::vector<float>(pixels), std::vector<glm::vec3>(pixels),
+                               std::vector<glm::vec3>(pixels)});
     for (const Layer layer : kLayers) {
       std::vector<hal::Texture> textures;
       for (int i = 0; i < static_cast<int>(objects.size()); ++i)
         textures.push_back(upload_truth(gpu, renderer.drawer(), i, [&](glm::vec2 uv) {
           return layer == Layer::kDiffuse ? truth.diffuse(i, uv, at[1]) : truth.specular(i, uv, at[0], at[1]);
         }));
-      renderer.render(geometry_state_at(scene, sample, objects, static_cast<float>(o.width) / static_cast<float>(o.height)), textures, samples);
+      renderer.render(geometry_state_at(scene, sample, objects, static_cast<float>(o.width) / static_cast<float>(o.height)),
+                      textures, samples);
       resolve_layer(samples, o, layer, frame);
       for (const hal::Texture texture : textures) gpu.destroy(texture);
     }

@@ -45,7 +45,8 @@ class ScratchStore {
 };
 
 // Draws the frames of all grid samples into the store; returns their keys.
-std::vector<StoreKey> draw_frames(const Scene& scene, const Truth& truth, const InferenceOptions& options, hal::Gpu& gpu, const Store& store);
+std::vector<StoreKey> draw_frames(const Scene& scene, const Truth& truth, const InferenceOptions& options, hal::Gpu& gpu,
+                                  const Store& store);
 
 // 10 log10 (peak^2 / mean squared error) over pixels where `counts` is true, peak = 1.
 double psnr(const std::vector<glm::vec3>& a, const std::vector<glm::vec3>& b);
