@@ -106,17 +106,27 @@ DepthRange measure(const Scene& scene) {
   return range;
 }
 
+// The least depth along the view axis of a point in the picture, as a share of its distance; at most one half, which leaves
+// room for the motion between samples.
+float depth_share(const Scene& scene) {
+  if (!scene.camera.perspective) return 0.5f;
+  const float aspect = static_cast<float>(scene.settings.width) / static_cast<float>(scene.settings.height);
+  const float tangent = std::tan(scene.camera.yfov / 2) * std::hypot(1.0f, aspect);
+  return std::min(0.5f, 0.8f / std::hypot(1.0f, tangent));
+}
+
 }  // namespace
 
 Sphere bounds_of(const Scene& scene) {
   Box all;
+  std::vector<Box> boxes;
+  for (const Object& object : scene.objects) boxes.push_back(box_of(object.geometry));
   for (const Position& position : sampled_positions(scene)) {
     const Pose pose = pose_scene(scene, position);
     for (size_t o = 0; o < scene.objects.size(); ++o) {
       if (scene.objects[o].follows_camera) continue;
       const glm::mat4 world = world_from_object(scene, pose, static_cast<int>(o));
-      for (const glm::vec3& corner : box_of(scene.objects[o].geometry).corners())
-        all.add(glm::vec3(world * glm::vec4(corner, 1)));
+      for (const glm::vec3& corner : boxes[o].corners()) all.add(glm::vec3(world * glm::vec4(corner, 1)));
     }
   }
   if (all.high.x < all.low.x) return {};
@@ -145,7 +155,7 @@ void fit_depth(Scene& scene) {
   const float dome = 1.05f * reach / dome_inner_radius(kDomeColumns, kDomeRows);
   scene.camera.far_distance = dome / 0.98f;
   const float nearest = std::min(range.nearest, reach);
-  scene.camera.near_distance = std::max(0.5f * nearest, scene.camera.far_distance / kDepthRatio);
+  scene.camera.near_distance = std::max(depth_share(scene) * nearest, scene.camera.far_distance / kDepthRatio);
 }
 
 void add_backdrop(Scene& scene) {

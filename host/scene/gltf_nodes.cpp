@@ -15,7 +15,7 @@ namespace vitrine {
 namespace {
 
 constexpr double kFarthest = 1e12;
-constexpr size_t kMostGltfNodes = 1 << 20;
+constexpr size_t kMostGltfNodes = 1 << 18;
 
 glm::mat4 matrix_from(const std::array<float, 16>& m) {
   glm::mat4 matrix;
@@ -62,7 +62,7 @@ class NodeReader {
 
   GltfNodes read() {
     const size_t count = document_.count("nodes");
-    if (count > kMostGltfNodes) document_.root().at("nodes").fail("there are more than a million nodes", "reduce the model");
+    if (count > kMostGltfNodes) document_.root().at("nodes").fail("there are more than 262144 nodes", "reduce the model");
     nodes_.parent.assign(count, -1);
     children_.resize(count);
     for (size_t n = 0; n < count; ++n) read_children(static_cast<int>(n));

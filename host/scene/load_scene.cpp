@@ -52,12 +52,12 @@ class SceneLoader {
     take_model();
     take_environment();
     const OrbitCamera orbit = apply_axes(description_, model_, *scene_, node_names_);
-    apply_object_entries();
     name_objects();
     place_camera(orbit);
     fit_depth(*scene_);
     if (has_backdrop()) add_backdrop(*scene_);
     make_names_unique();
+    apply_object_entries();
     return std::move(scene_);
   }
 
@@ -100,7 +100,7 @@ class SceneLoader {
 
   std::string node_name_of(size_t object) const {
     const int node = object < model_.object_sources.size() ? model_.object_sources[object] : scene_->objects[object].node;
-    return node_names_[static_cast<size_t>(node)];
+    return static_cast<size_t>(node) < node_names_.size() ? node_names_[static_cast<size_t>(node)] : "";
   }
 
   [[noreturn]] void fail_unknown_object(const ObjectDescription& entry) const {

@@ -215,6 +215,9 @@ TEST(ObjectEntries, OverrideWhatTheLoaderChose) {
   EXPECT_EQ(scene->settings.storage, "12 MB");
   EXPECT_TRUE(scene->settings.interpolate);
   EXPECT_EQ(scene->settings.exposure, 2);
+  const auto dome = test::load(folder, Model::triangle(),
+                               "environment = [1, 1, 1]\n[[object]]\nnode = \"background\"\nresolution_scale = 0.5\n");
+  EXPECT_EQ(dome->objects[1].resolution_scale, 0.5f);
 }
 
 }  // namespace
