@@ -165,6 +165,9 @@ std::string encode_exr(const ExrFile& file) {
 }
 
 std::optional<ExrFile> decode_exr(const std::string& bytes) try {
+  // Before any header is believed: OpenEXR makes room for a line table as tall as a header claims.
+  static const bool bounded = (Imf::Header::setMaxImageSize(kMaxSize, kMaxSize), true);
+  static_cast<void>(bounded);
   MemoryInput stream(bytes);
   Imf::MultiPartInputFile input(stream, 0, false);
   ExrFile file;

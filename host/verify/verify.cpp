@@ -85,6 +85,14 @@ Picture inferred_picture(const Scene& scene, const Inference& inference, const S
   return picture;
 }
 
+std::vector<ObjectError> object_errors(const Scene& scene, const Reference& reference, const Picture& picture, const Picture& truth) {
+  std::vector<ObjectError> errors;
+  for (size_t o = 0; o < scene.objects.size(); ++o)
+    if (const std::vector<int>& pixels = reference.pixels_of_object()[o]; !pixels.empty())
+      errors.push_back(object_error(scene.objects[o].name, pixels, picture, truth));
+  return errors;
+}
+
 }  // namespace
 
 double psnr_db(double mean_squared_error) {
@@ -126,20 +134,16 @@ Verification verify_image(const ImageView& image, const Scene& scene, const Stor
       comparison.noise = reference.noise();
     } while (comparison.noise * margin > comparison.squared_error && reference.paths_per_pixel() < options.max_paths);
     comparison.paths_per_pixel = reference.paths_per_pixel();
-    for (size_t o = 0; o < scene.objects.size(); ++o)
-      if (!reference.pixels_of_object()[o].empty())
-        comparison.objects.push_back(object_error(scene.objects[o].name, reference.pixels_of_object()[o], comparison.played, comparison.truth));
+    if (inference && comparison.kind == "at") {
+      comparison.inferred = inferred_picture(scene, *inference, store, *gpu.value(), comparison.position,
+                                             static_cast<int>(image.directory().supersampling()));
+      comparison.inferred_squared_error = mean_squared_error(*comparison.inferred, comparison.truth);
+      comparison.inferred_objects = object_errors(scene, reference, *comparison.inferred, comparison.truth);
+    }
+    comparison.objects = object_errors(scene, reference, comparison.played, comparison.truth);
     progress.advance(1);
   }
   progress.end();
-  if (inference) {
-    for (Comparison& comparison : result.comparisons) {
-      if (comparison.kind != "at") continue;
-      comparison.inferred = 
-          inferred_picture(scene, *inference, store, *gpu.value(), comparison.position, static_cast<int>(image.directory().supersampling()));
-      comparison.inferred_squared_error = mean_squared_error(*comparison.inferred, comparison.truth);
-    }
-  }
   return result;
 }
 

@@ -41,6 +41,7 @@ struct Comparison {
   Picture truth, played;
   std::optional<Picture> inferred;     // what uncoded textures would have shown
   std::vector<ObjectError> objects;    // played against truth
+  std::vector<ObjectError> inferred_objects;
   double squared_error = 0, inferred_squared_error = 0;  // mean over values
   double noise = 0;           // expected mean squared error of `truth` itself
   int paths_per_pixel = 0;    // of the reference

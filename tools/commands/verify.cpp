@@ -27,10 +27,18 @@ struct Options {
 struct Summary {
   double squared_error = 0, noise = 0, inferred = 0;
   int count = 0;
-  std::map<std::string, ObjectError> objects;
+  std::map<std::string, ObjectError> objects, inferred_objects;
   double psnr() const { return psnr_db(squared_error / count); }
   double noise_psnr() const { return psnr_db(noise / count); }
 };
+
+void add_errors(const std::vector<ObjectError>& errors, std::map<std::string, ObjectError>& sums) {
+  for (const ObjectError& object : errors) {
+    ObjectError& sum = sums[object.name];
+    sum.squared_error += object.squared_error;
+    sum.values += object.values;
+  }
+}
 
 Summary summarize(const Verification& verification, const std::string& kind) {
   Summary summary;
@@ -40,11 +48,8 @@ Summary summarize(const Verification& verification, const std::string& kind) {
     summary.squared_error += comparison.squared_error;
     summary.noise += comparison.noise;
     summary.inferred += comparison.inferred_squared_error;
-    for (const ObjectError& object : comparison.objects) {
-      ObjectError& sum = summary.objects[object.name];
-      sum.squared_error += object.squared_error;
-      sum.values += object.values;
-    }
+    add_errors(comparison.objects, summary.objects);
+    add_errors(comparison.inferred_objects, summary.inferred_objects);
   }
   return summary;
 }
@@ -58,9 +63,14 @@ std::string worst_object(const Summary& summary) {
   return worst;
 }
 
-nlohmann::json summary_json(const Summary& summary) {
+nlohmann::json psnr_of_objects(const std::map<std::string, ObjectError>& errors) {
   nlohmann::json objects = nlohmann::json::object();
-  for (const auto& [name, error] : summary.objects) objects[name] = object_psnr(error);
+  for (const auto& [name, error] : errors) objects[name] = object_psnr(error);
+  return objects;
+}
+
+nlohmann::json summary_json(const Summary& summary) {
+  const nlohmann::json objects = psnr_of_objects(summary.objects);
   const std::string worst = worst_object(summary);
   return {{"psnr_db", summary.psnr()}, {"noise_psnr_db", summary.noise_psnr()}, {"references", summary.count}, {"objects", objects},
           {"worst_object", {{"name", worst}, {"psnr_db", worst.empty() ? 99.0 : object_psnr(summary.objects.at(worst))}}}};
@@ -73,7 +83,10 @@ void print_text(const Verification& verification, bool with_inferred) {
     fmt::print("{:8} {:6.2f} dB  (noise of {} references: {:.2f} dB)", kind, summary.psnr(), summary.count, summary.noise_psnr());
     for (const auto& [name, error] : summary.objects) fmt::print("  {} {:.2f}", name, object_psnr(error));
     fmt::print("\n");
-    if (with_inferred && std::string(kind) == "at") fmt::print("         {:6.2f} dB  inference alone, before coding\n", psnr_db(summary.inferred / summary.count));
+    if (!with_inferred || std::string(kind) != "at") continue;
+    fmt::print("         {:6.2f} dB  inference alone, before coding:", psnr_db(summary.inferred / summary.count));
+    for (const auto& [name, error] : summary.inferred_objects) fmt::print("  {} {:.2f}", name, object_psnr(error));
+    fmt::print("\n");
   }
   fmt::print("bytes {}  raw {}  ratio {:.1f}:1\n", verification.bytes, verification.raw_bytes,
              static_cast<double>(verification.raw_bytes) / static_cast<double>(verification.bytes));
@@ -86,7 +99,7 @@ nlohmann::json report_json(const Verification& verification, bool with_inferred)
     const Summary summary = summarize(verification, kind);
     if (summary.count > 0) report[kind] = summary_json(summary);
     if (with_inferred && std::string(kind) == "at" && summary.count > 0)
-      report["inference_only"] = {{"psnr_db", psnr_db(summary.inferred / summary.count)}};
+      report["inference_only"] = {{"psnr_db", psnr_db(summary.inferred / summary.count)}, {"objects", psnr_of_objects(summary.inferred_objects)}};
   }
   return report;
 }

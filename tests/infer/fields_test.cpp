@@ -1,0 +1,86 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "host/infer/fields.h"
+
+#include <gtest/gtest.h>
+
+#include "host/infer/geometry_states.h"
+#include "host/infer/parameterization.h"
+#include "tests/infer/test_scene.h"
+
+namespace vitrine::testing {
+namespace {
+
+constexpr AxisMask kView = 1, kLamp = 2;
+
+// Axis 1 lifts the node of object `object` by `height`.
+void lift_with_lamp(Scene& scene, size_t object, float height) {
+  scene.nodes.push_back({});
+  scene.objects[object].node = static_cast<int>(scene.nodes.size()) - 1;
+  scene.track_data.push_back({0, 1});
+  scene.track_data.push_back({0, 10, 0, 0, 10 + height, 0});
+  const auto n = scene.track_data.size();
+  scene.tracks.clear();  // spans of the orbit's track moved with the data
+  scene.tracks.push_back({1, 0, TrackPath::kRotation, Interpolation::kLinear, scene.track_data[0], scene.track_data[1]});
+  scene.tracks.push_back({static_cast<uint32_t>(scene.objects[object].node), 1, TrackPath::kTranslation, Interpolation::kLinear,
+                          scene.track_data[n - 2], scene.track_data[n - 1]});
+}
+
+TEST(Fields, DiffuseDoesNotDependOnTheView) {
+  const auto scene = make_ball_on_board();
+  EXPECT_EQ(field_axes(*scene, scene->objects[0], Layer::kDiffuse), kLamp);
+  EXPECT_EQ(field_axes(*scene, scene->objects[0], Layer::kSpecular), kView | kLamp);
+}
+
+TEST(Fields, AnAxisWithOneSampleDoesNotCount) {
+  const auto scene = make_ball_on_board({.views = 4, .lamps = 1});
+  EXPECT_EQ(field_axes(*scene, scene->objects[0], Layer::kSpecular), kView);
+}
+
+TEST(Fields, UnlitObjectsAndTheBackdropDependOnNoLamp) {
+  const auto scene = make_ball_on_board();
+  scene->objects[1].follows_camera = true;
+  EXPECT_EQ(field_axes(*scene, scene->objects[1], Layer::kDiffuse), 0u);
+  scene->materials[0].unlit = true;
+  EXPECT_EQ(field_axes(*scene, scene->objects[0], Layer::kDiffuse), 0u);
+  scene->objects[0].emission_axis = 1;
+  EXPECT_EQ(field_axes(*scene, scene->objects[0], Layer::kDiffuse), kLamp);
+}
+
+TEST(Fields, AnAxisThatMovesTheCameraAndAnObjectCountsForLight) {
+  const auto scene = make_ball_on_board();
+  scene->objects[0].node = 1;  // the ball turns with the camera
+  EXPECT_EQ(field_axes(*scene, scene->objects[1], Layer::kDiffuse), kView | kLamp);
+}
+
+TEST(Fields, GroupsHoldEveryTextureOnceAndShareTheirStates) {
+  const auto scene = make_ball_on_board({.views = 4, .lamps = 6});
+  const StateTable states = make_states(scene->space(), kView);
+  ASSERT_EQ(states.samples_of_state.size(), 4u);
+  const auto diffuse = make_groups(scene->space(), kLamp, states, 0, 4, 1);
+  ASSERT_EQ(diffuse.size(), 2u);
+  EXPECT_EQ(diffuse[0].textures.size() + diffuse[1].textures.size(), 6u);
+  EXPECT_EQ(diffuse[0].uses.size(), 4u);
+  EXPECT_EQ(make_groups(scene->space(), kLamp, states, 0, 4, 2)[0].uses.size(), 2u);
+  const auto specular = make_groups(scene->space(), kView | kLamp, states, 0, 4, 1);
+  EXPECT_EQ(specular.size(), 8u);
+  for (const SolveGroup& group : specular) EXPECT_EQ(group.uses.size(), 1u);
+}
+
+TEST(GeometryStates, WhatMovesOutsideThePictureMakesNoStates) {
+  const auto scene = make_ball_on_board();
+  lift_with_lamp(*scene, 0, 1);
+  const Pose pose = pose_scene(*scene, {});
+  std::vector<DrawnObject> objects;
+  for (int i = 0; i < 2; ++i) objects.push_back(make_drawn_object(*scene, i, world_from_object(*scene, pose, i)));
+  const GeometryStates all = make_geometry_states(*scene, geometry_axes(*scene), objects, 4.0f / 3);
+  EXPECT_EQ(all.states.size(), 8u);
+  EXPECT_FALSE(may_be_seen(objects[0], 0, all.states));  // ten metres up
+  EXPECT_TRUE(may_be_seen(objects[1], 1, all.states));
+  objects.erase(objects.begin());
+  const GeometryStates seen = make_geometry_states(*scene, geometry_axes(*scene), objects, 4.0f / 3);
+  ASSERT_EQ(seen.states.size(), 4u);
+  for (const auto& samples : seen.table.samples_of_state) EXPECT_EQ(samples.size(), 2u);
+}
+
+}  // namespace
+}  // namespace vitrine::testing
