@@ -35,7 +35,7 @@ void apply_preset(Scene& scene, const std::string& name) {
   if (name == "small") {
     settings.width = divided(settings.width, 2);
     settings.height = divided(settings.height, 2);
-    settings.samples_per_pixel = std::min(settings.samples_per_pixel, std::clamp(settings.samples_per_pixel / 32, 8, 32));
+    settings.samples_per_pixel = std::min(settings.samples_per_pixel, std::clamp(settings.samples_per_pixel / 20, 12, 32));
     reduce_axes(scene, [](int samples) { return std::max(2, (samples + 1) / 2); });
   } else if (name == "tiny") {
     // So few samples share nothing: a ratio that suits the whole scene would not even hold the meshes.

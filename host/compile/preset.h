@@ -12,7 +12,7 @@ namespace vitrine {
 
 // name   resolution  samples per axis              paths per pixel   storage
 // full   as written  as written                    as written        as written
-// small  half        half (at least 2)             1 in 32, 8..32     as written
+// small  half        half (at least 2)             a twentieth, 12..32 as written
 // tiny   a quarter   at most 3                     8                 what `full` would get
 // Discrete axes keep all their values. Throws InputError for another name.
 void apply_preset(Scene& scene, const std::string& name);

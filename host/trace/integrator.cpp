@@ -5,12 +5,13 @@ namespace vitrine::trace {
 namespace {
 
 constexpr int kMaxScatterings = 64;
-constexpr int kMaxVertices = 256;        // with surfaces that are passed through
-constexpr int kCandidates = 4;           // at the first vertex, whose noise is seen most; one later
-constexpr int kRouletteFrom = 2;         // scatterings after which paths may end early
-constexpr float kRouletteGain = 4;       // they do so below a quarter of their light: the best noise for time in a lit room
-constexpr int kSpecularPaths = 12;        // into the specular lobe of the first hit, per camera ray; twice as many where it dominates
-constexpr float kFaintSpecular = 0.02f, kStrongSpecular = 0.5f;  // its albedo below which one path is enough; above which it dominates
+constexpr int kMaxVertices = 256;   // with surfaces that are passed through
+constexpr int kCandidates = 4;      // at the first vertex, whose noise is seen most; one later
+constexpr int kRouletteFrom = 2;    // scatterings after which paths may end early
+constexpr float kRouletteGain = 4;  // they do so below a quarter of their light: the best noise for time in a lit room
+constexpr int kSpecularPaths = 4;   // into the specular lobe of the first hit, per camera ray; twice as many where it dominates
+constexpr float kFaintSpecular = 0.02f,
+                kStrongSpecular = 0.5f;  // its albedo below which one path is enough; above which it dominates
 constexpr float kStraightAlpha = 0.25f;  // lobes this wide take light straight through glass
 
 float power_heuristic(float a, float b) {
