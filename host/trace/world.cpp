@@ -77,7 +77,7 @@ namespace {
 // "threads=1" would instead hold all of TBB to one thread.)
 void commit(RTCScene scene) {
   tbb::task_arena arena(1);
-  arena.execute([scene] { rtcCommitScene(scene); });
+  arena.execute([scene] { rtcJoinCommitScene(scene); });  // rtcCommitScene would build in an arena of all threads
 }
 
 }  // namespace

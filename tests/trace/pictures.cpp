@@ -206,7 +206,7 @@ TEST_P(Reference, RegionsHaveTheMeansOfAnIndependentRenderer) {
     const double x0 = box[0], y0 = box[1], w = box[2], h = box[3];
     for (int c = 0; c < 3; ++c) {
       const Estimate mean = estimate(16, [&](uint32_t seed) {
-        constexpr int kSamples = 512;
+        constexpr int kSamples = 128;
         double sum = 0;
         for (uint32_t s = 0; s < kSamples; ++s) {
           trace::Sampler sampler(1, 2, s, seed);
