@@ -35,14 +35,14 @@ void apply_preset(Scene& scene, const std::string& name) {
   if (name == "small") {
     settings.width = divided(settings.width, 2);
     settings.height = divided(settings.height, 2);
-    settings.samples_per_pixel = std::min(settings.samples_per_pixel, std::clamp(settings.samples_per_pixel / 20, 12, 32));
+    settings.samples_per_pixel = std::min(settings.samples_per_pixel, std::clamp(settings.samples_per_pixel / 10, 6, 16));
     reduce_axes(scene, [](int samples) { return std::max(2, (samples + 1) / 2); });
   } else if (name == "tiny") {
     // So few samples share nothing: a ratio that suits the whole scene would not even hold the meshes.
     settings.storage = std::to_string(storage_bytes(settings.storage, scene, scene.file.string())) + " B";
     settings.width = divided(settings.width, 4);
     settings.height = divided(settings.height, 4);
-    settings.samples_per_pixel = std::min(settings.samples_per_pixel, 8);
+    settings.samples_per_pixel = std::min(settings.samples_per_pixel, 4);
     reduce_axes(scene, [](int) { return 3; });
   } else {
     throw InputError("--preset " + name, "there is no such preset", "use tiny, small or full");

@@ -51,7 +51,7 @@ struct Inference {
 
 struct InferenceOptions {
   int width = 640, height = 480, supersampling = 2;
-  float regularization = 0.02f;   // e_f
+  float regularization = 0.3f;   // e_f
   int iterations = 40;            // of conjugate gradients, at most
   float texels_per_pixel = 1.0f;  // of the texture domain at the finest level
   int max_texture_size = 1024;

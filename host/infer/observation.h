@@ -21,7 +21,7 @@ Observation make_observation(const FilteredMatrix& matrix, int object, std::span
 
 // Light beyond this many times display white is cut before textures are solved for: a pixel looks no brighter for it, but least
 // squares would spend themselves on the lamp's own reflection and ring around it.
-inline constexpr float kHeadroom = 2;
+inline constexpr float kHeadroom = 1;
 
 // The mean of the frames' layers over the matrix' window; 0 where a frame does not show the object. `white`: the radiance that
 // the display shows as white.

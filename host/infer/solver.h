@@ -29,7 +29,7 @@ struct Observation {
 };
 
 struct SolverOptions {
-  float regularization = 0.02f;  // e_f
+  float regularization = 0.3f;  // e_f
   int iterations = 40;
   float tolerance = 1e-3f;  // of the preconditioned gradient, relative to that at x = 0
 };

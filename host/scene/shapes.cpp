@@ -1,6 +1,7 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 #include "host/scene/shapes.h"
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <numbers>
@@ -26,11 +27,11 @@ Geometry make_sphere(float radius, int columns, int rows) {
   for (int j = 0; j <= rows; ++j)
     for (int i = 0; i <= columns; ++i) {
       const glm::vec3 d = grid_direction(i, j, columns, rows);
-      // A pole's vertex lies between its two neighbours' meridians.
-      const float shift = j == 0 || j == rows ? 0.5f : 0.0f;
+      // A pole's vertex lies between the meridians of its triangle: i and i + 1 at the top, i - 1 and i at the bottom.
+      const float shift = j == 0 ? 0.5f : j == rows ? -0.5f : 0.0f;
       g.positions.push_back(radius * d);
       g.normals.push_back(d);
-      g.texcoords[0].emplace_back((static_cast<float>(i) + shift) / static_cast<float>(columns),
+      g.texcoords[0].emplace_back(std::clamp((static_cast<float>(i) + shift) / static_cast<float>(columns), 0.0f, 1.0f),
                                   static_cast<float>(j) / static_cast<float>(rows));
     }
   // Seen from outside, u grows to the right and v downwards.
@@ -41,7 +42,7 @@ Geometry make_sphere(float radius, int columns, int rows) {
       if (j + 1 < static_cast<uint32_t>(rows)) add_triangle(g, a, d, c);
       if (j > 0) add_triangle(g, a, b, d);
     }
-  // The last vertex of a pole's row belongs to no triangle; it is harmless.
+  // The last vertex of the top row and the first of the bottom row belong to no triangle; they are harmless.
   return g;
 }
 

@@ -188,7 +188,7 @@ bool Bsdf::sample_diffuse(const glm::vec2& u, BsdfSample& sample) const {
   return same_side(sample.wi);
 }
 
-bool Bsdf::sample_specular(float lobe, const glm::vec2& u, BsdfSample& sample) const {
+bool Bsdf::sample_specular(float lobe, const glm::vec2& u, BsdfSample& sample, float least_chance) const {
   sample = {};
   if (lobe < specular_probability_) {
     if (reflection_is_delta()) {
@@ -205,7 +205,7 @@ bool Bsdf::sample_specular(float lobe, const glm::vec2& u, BsdfSample& sample) c
   }
   if (lobe < specular_probability_ + glass_probability_) {
     const float rest = (lobe - specular_probability_) / glass_probability_;
-    return glass_is_delta() ? sample_delta_glass(rest, sample) : sample_rough_glass(rest, u, sample);
+    return glass_is_delta() ? sample_delta_glass(rest, least_chance, sample) : sample_rough_glass(rest, u, sample);
   }
   if (p_.coat_alpha < kDeltaAlpha) {
     sample.wi = coat_.to_world({-coat_wo_.x, -coat_wo_.y, coat_wo_.z});
@@ -217,10 +217,12 @@ bool Bsdf::sample_specular(float lobe, const glm::vec2& u, BsdfSample& sample) c
   return same_side(sample.wi);
 }
 
-bool Bsdf::sample_delta_glass(float lobe, BsdfSample& sample) const {
+bool Bsdf::sample_delta_glass(float lobe, float least_chance, BsdfSample& sample) const {
   glm::vec3 reflected, transmitted;
   float reflect_probability;
   glass_split(fresnel_dielectric(local_wo_.z, eta_), reflected, transmitted, reflect_probability);
+  if (reflect_probability > 0 && reflect_probability < 1)
+    reflect_probability = std::clamp(reflect_probability, least_chance, 1 - least_chance);
   const float share = p_.glass * base_share_ / glass_probability_;
   sample.delta = true;
   if (lobe < reflect_probability) {

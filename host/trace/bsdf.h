@@ -63,7 +63,8 @@ class Bsdf {
   BsdfValue evaluate(const glm::vec3& wi, Lobes lobes = Lobes::kAll) const;
   // False where the direction carries nothing.
   bool sample_diffuse(const glm::vec2& u, BsdfSample& sample) const;
-  bool sample_specular(float lobe, const glm::vec2& u, BsdfSample& sample) const;
+  // Smooth glass reflects and transmits with a chance of at least `least_chance` each, where it does both.
+  bool sample_specular(float lobe, const glm::vec2& u, BsdfSample& sample, float least_chance = 0) const;
 
   bool has_diffuse() const { return diffuse_weight_ > 0; }
   bool has_specular() const { return specular_weight_ > 0; }
@@ -89,7 +90,7 @@ class Bsdf {
   glm::vec3 coat_share(float cosine) const;
   void glass_split(float reflectance, glm::vec3& reflected, glm::vec3& transmitted, float& reflect_probability) const;
   void prepare_specular(const ReflectionAlbedo& albedo, float& albedo_estimate);
-  bool sample_delta_glass(float lobe, BsdfSample& sample) const;
+  bool sample_delta_glass(float lobe, float least_chance, BsdfSample& sample) const;
   bool sample_rough_glass(float lobe, const glm::vec2& u, BsdfSample& sample) const;
 
   SurfaceParameters p_;

@@ -9,9 +9,11 @@ constexpr int kMaxVertices = 256;   // with surfaces that are passed through
 constexpr int kCandidates = 4;      // at the first vertex, whose noise is seen most; one later
 constexpr int kRouletteFrom = 2;    // scatterings after which paths may end early
 constexpr float kRouletteGain = 4;  // they do so below a quarter of their light: the best noise for time in a lit room
-constexpr int kSpecularPaths = 4;   // into the specular lobe of the first hit, per camera ray; twice as many where it dominates
+constexpr int kSpecularPaths = 2;   // into the specular lobe of the first hit, per camera ray; twice as many where it dominates
 constexpr float kFaintSpecular = 0.02f,
                 kStrongSpecular = 0.5f;  // its albedo below which one path is enough; above which it dominates
+// Glass reflects little, but what it reflects may be a lamp: of several paths from one point at least this share goes each way.
+constexpr float kLeastChance = 0.25f;
 constexpr float kStraightAlpha = 0.25f;  // lobes this wide take light straight through glass
 
 float power_heuristic(float a, float b) {
@@ -45,6 +47,11 @@ bool survives_roulette(Path& path, float probability, float u) {
   if (u >= probability) return false;
   path.throughput /= probability;
   return true;
+}
+
+Gloss gloss_of(const Bsdf& bsdf) {
+  const float albedo = bsdf.has_specular() ? bsdf.specular_albedo() : 0.0f;
+  return albedo < kFaintSpecular ? Gloss::kNone : albedo < kStrongSpecular ? Gloss::kSome : Gloss::kAll;
 }
 
 // What is lost in the medium of the segment that ended at `surface`.
@@ -114,18 +121,30 @@ CameraSample Integrator::trace(const Ray& camera_ray, Sampler& sampler) const {
   return result;
 }
 
+Gloss Integrator::gloss(const Ray& camera_ray) const {
+  Hit hit;
+  if (!world_.intersect(camera_ray, hit)) return Gloss::kNone;
+  const Surface surface = world_.surface_at(camera_ray, hit);
+  const glm::vec4 base = base_color_at(world_.scene(), *surface.material, surface.point);
+  if (surface.material->cut && alpha_at(*surface.material, base) < 0.5f) return Gloss::kAll;  // a view of what lies behind
+  if (surface.material->source->unlit) return Gloss::kNone;
+  return gloss_of(make_bsdf(world_, surface, base, -camera_ray.direction));
+}
+
 // Reflections and refractions change with every view, so each frame owes its own paths to them; what is diffuse is averaged
 // over all views when textures are inferred.
 glm::vec3 Integrator::trace_specular(const Path& start, const Surface& surface, const Bsdf& bsdf, Sampler& sampler) const {
-  const float albedo = bsdf.specular_albedo();
-  const int paths = albedo < kFaintSpecular ? 1 : albedo < kStrongSpecular ? kSpecularPaths : 2 * kSpecularPaths;
-  const float chance = albedo < kFaintSpecular ? std::clamp(albedo / kFaintSpecular, 0.1f, 1.0f) : 1.0f;
+  const Gloss gloss = gloss_of(bsdf);
+  const int paths = gloss == Gloss::kNone ? 1 : gloss == Gloss::kSome ? kSpecularPaths : 2 * kSpecularPaths;
+  const float chance = gloss == Gloss::kNone ? std::clamp(bsdf.specular_albedo() / kFaintSpecular, 0.1f, 1.0f) : 1.0f;
   glm::vec3 sum(0);
   for (int i = 0; i < paths; ++i) {
     Path path = start;
     path.stream = 2 + static_cast<uint32_t>(i);
     sampler.start_vertex(path.stream, 0);
-    if (survives_roulette(path, chance, sampler.get1d()) && scatter(path, surface, bsdf, Continuation::kSpecular, sampler)) {
+    const Stratum stratum{i, paths};
+    if (survives_roulette(path, chance, sampler.get1d()) &&
+        scatter(path, surface, bsdf, Continuation::kSpecular, sampler, stratum)) {
       sum += follow(path, sampler);
     }
   }
@@ -264,9 +283,9 @@ Integrator::Direct Integrator::weigh_through_glass(const Candidate& c, const Bsd
 }
 
 bool Integrator::scatter(Path& path, const Surface& surface, const Bsdf& bsdf, Continuation continuation,
-                         Sampler& sampler) const {
+                         Sampler& sampler, const Stratum& stratum) const {
   const glm::vec2 u = sampler.get2d();
-  float lobe = sampler.get1d();
+  float lobe = std::min((static_cast<float>(stratum.index) + sampler.get1d()) / static_cast<float>(stratum.count), 0x1.fffffep-1f);
   float diffuse_chance = continuation == Continuation::kDiffuse ? 1.0f : 0.0f;
   if (continuation == Continuation::kEither) {
     if (!bsdf.has_diffuse() && !bsdf.has_specular()) return false;
@@ -277,7 +296,7 @@ bool Integrator::scatter(Path& path, const Surface& surface, const Bsdf& bsdf, C
     if (!bsdf.sample_diffuse(u, sample)) return false;
   } else {
     lobe = std::min((lobe - diffuse_chance) / (1 - diffuse_chance), 0x1.fffffep-1f);
-    if (!bsdf.sample_specular(lobe, u, sample)) return false;
+    if (!bsdf.sample_specular(lobe, u, sample, stratum.count > 1 ? kLeastChance : 0.0f)) return false;
   }
 
   BsdfValue value;

@@ -37,17 +37,25 @@ struct CameraSample {
   glm::vec3 diffuse{0}, specular{0};
 };
 
+// How much of the light of a surface depends on where it is seen from.
+enum class Gloss : uint8_t { kNone, kSome, kAll };
+
 class Integrator {
  public:
   Integrator(const World& world, const Lights& lights, const PathSettings& settings);
   // Draws from sampler vertex 1 on; vertex 0 is the camera's.
   CameraSample trace(const Ray& camera_ray, Sampler& sampler) const;
+  // Of the first surface that the ray meets.
+  Gloss gloss(const Ray& camera_ray) const;
 
  private:
   struct Direct {
     glm::vec3 diffuse{0}, specular{0};
   };
   struct Candidate;
+  struct Stratum {
+    int index, count;
+  };
   enum class Continuation : uint8_t { kDiffuse, kSpecular, kEither };
 
   CameraSample backdrop(const glm::vec3& direction) const;
@@ -60,7 +68,9 @@ class Integrator {
   Direct sample_lights(const Path& path, const Surface& surface, const Bsdf& bsdf, bool split, Sampler& sampler) const;
   Direct weigh(const Candidate& candidate, const Bsdf& bsdf, bool split) const;
   Direct weigh_through_glass(const Candidate& candidate, const Bsdf& bsdf) const;
-  bool scatter(Path& path, const Surface& surface, const Bsdf& bsdf, Continuation continuation, Sampler& sampler) const;
+  // `stratum`: of the numbers that choose a lobe, where several paths go on from one point.
+  bool scatter(Path& path, const Surface& surface, const Bsdf& bsdf, Continuation continuation, Sampler& sampler,
+               const Stratum& stratum = {0, 1}) const;
   void continue_path(Path& path, const Surface& surface, const Bsdf& bsdf, const BsdfSample& sample, const BsdfValue& value,
                      float pdf) const;
 

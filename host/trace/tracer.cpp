@@ -6,6 +6,7 @@
 #include "host/trace/camera_rays.h"
 #include "host/trace/film.h"
 #include "host/trace/filter_sampler.h"
+#include "host/trace/ray_counts.h"
 
 namespace vitrine {
 
@@ -25,15 +26,16 @@ constexpr int kTile = 16;
 struct Rendering {
   const TraceOptions& options;
   const trace::FilterSampler& filter;
-  const trace::CameraRays camera;
-  const trace::Integrator integrator;
+  const trace::CameraRays& camera;
+  const trace::Integrator& integrator;
+  const trace::RayCounts& counts;
   Frame& frame;
   std::vector<std::vector<FilmRecord>>& records;
 };
 
 void render_pixel(const Rendering& r, int x, int y, trace::PixelSums& sums) {
   sums.clear();
-  for (int s = 0; s < r.options.samples_per_pixel; ++s) {
+  for (int s = 0, count = r.counts.at(x, y); s < count; ++s) {
     trace::Sampler sampler(static_cast<uint32_t>(x), static_cast<uint32_t>(y), static_cast<uint32_t>(s), r.options.seed);
     sampler.start_vertex(0, 0);
     const glm::vec2 offset = r.filter.sample(sampler.get2d());
@@ -73,12 +75,11 @@ Frame Tracer::render(const Position& position, const TraceOptions& options, Prog
   std::vector<std::vector<FilmRecord>> records(static_cast<size_t>(tiles));
   trace::PathSettings settings;
   settings.max_radiance = scene.settings.max_radiance;
-  const Rendering rendering{options,
-                            impl_->filter,
-                            {scene.camera, world.current_pose().world_from_camera, options.width, options.height},
-                            {world, lights, settings},
-                            frame,
-                            records};
+  const trace::CameraRays camera(scene.camera, world.current_pose().world_from_camera, options.width, options.height);
+  const trace::Integrator integrator(world, lights, settings);
+  const trace::RayCounts counts(integrator, camera, options.width, options.height, options.samples_per_pixel,
+                                options.specular_factor);
+  const Rendering rendering{options, impl_->filter, camera, integrator, counts, frame, records};
   tbb::parallel_for(0, tiles, [&](int tile) {
     render_tile(rendering, tile);
     if (progress) progress->advance(1);

@@ -168,6 +168,11 @@ TEST(Parameterization, GoodTextureCoordinatesAreTaken) {
   for (size_t i = 0; i < corners.size(); ++i) ASSERT_EQ(corners[i], tube.texcoords[0][tube.indices[i]]);
 }
 
+TEST(Parameterization, SpheresAndDomesKeepTheirOwnCoordinates) {  // charts of their own would cost them their seamlessness
+  EXPECT_TRUE(is_proper_parameterization(make_sphere(1, 32, 16), glm::mat4(1)));
+  EXPECT_TRUE(is_proper_parameterization(make_dome(1, 32, 16), glm::mat4(1)));
+}
+
 TEST(Parameterization, RepeatedOverlappingOrBrokenCoordinatesAreNot) {
   Geometry repeated = unrolled_tube();
   for (glm::vec2& t : repeated.texcoords[0]) t *= 3.0f;

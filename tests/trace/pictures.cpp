@@ -5,6 +5,8 @@
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
+#include <algorithm>
+#include <array>
 #include <fstream>
 #include <nlohmann/json.hpp>
 
@@ -144,6 +146,38 @@ TEST(Picture, SeedsGiveIndependentNoise) {
   }
   EXPECT_GT(ab2, 0);
   EXPECT_LT(std::fabs(ab_cd) / std::sqrt(ab2 * cd2), 4 / std::sqrt(static_cast<double>(a.size())));
+}
+
+TEST(Picture, MoreRaysForReflectionsMakeThemCleanerAndNoBrighter) {
+  const Scene scene = still_life();
+  Tracer tracer(scene);
+  TraceOptions options = small();
+  options.samples_per_pixel = 512;
+  const Frame clean = tracer.render({}, options);
+  options.samples_per_pixel = 8;
+  options.seed = 5;
+  // Sum of differences from the clean picture over the pixels that show the metal ball, bounded against single bright ones.
+  const auto compare = [&](int factor) {
+    options.specular_factor = factor;
+    const Frame frame = tracer.render({}, options);
+    double sum = 0, squares = 0;
+    int count = 0;
+    const ObjectFrame& ball = *std::find_if(frame.objects.begin(), frame.objects.end(), [](const ObjectFrame& o) { return o.object == 2; });
+    for (int y = 0; y < ball.height; ++y)
+      for (int x = 0; x < ball.width; ++x) {
+        if (ball.coverage[static_cast<size_t>(y * ball.width + x)] < 1) continue;
+        const auto pixel = static_cast<size_t>((ball.y + y) * frame.width + ball.x + x);
+        const double difference = std::clamp(frame.combined[pixel].y - clean.combined[pixel].y, -0.2f, 0.2f);
+        sum += difference;
+        squares += difference * difference;
+        ++count;
+      }
+    return std::array{sum / count, squares / count, static_cast<double>(count)};
+  };
+  const auto even = compare(1), more = compare(4);
+  ASSERT_GT(more[2], 30);
+  EXPECT_LT(more[1], 0.4 * even[1]);  // twelve times the rays
+  EXPECT_LT(std::fabs(more[0]), 4 * std::sqrt(more[1] / more[2]));
 }
 
 // The same light by sampling lights, by scattering, and by both.

@@ -5,6 +5,7 @@
 
 #include "hal/storage.h"
 #include "host/base/error.h"
+#include "host/compile/compile.h"
 #include "host/frames/store.h"
 #include "host/trace/tracer.h"
 #include "host/verify/reference.h"
@@ -74,7 +75,9 @@ void run(const Options& options) {
     throw CLI::ValidationError("--at", error.what());
   }
 
-  const TraceOptions trace{scene->settings.width, scene->settings.height, scene->settings.samples_per_pixel, options.seed, options.layers};
+  TraceOptions trace = trace_options(*scene);
+  trace.seed = options.seed;
+  trace.layers = options.layers;
   Tracer tracer(*scene);
   const Frame frame = tracer.render(position, trace, progress.get());
   if (ends_with(options.output, ".exr"))
