@@ -1,8 +1,11 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 #include "host/compile/compile.h"
 
+#include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <fstream>
+#include <numeric>
 
 #include "formats/companding.h"
 #include "formats/color.h"
@@ -18,7 +21,7 @@ namespace vitrine {
 namespace {
 
 // Changes whenever encode, plan or link would make other bytes of the same textures.
-constexpr int kImageRevision = 2;
+constexpr int kImageRevision = 3;
 
 // Reflections and glass are seen once each, diffuse light in all views: the one's noise costs four times the rays, then it
 // stays below what the textures of these scenes miss anyway.
@@ -63,7 +66,20 @@ CodedPlanes coded_planes(const LinearTexture& texture) {
   return planes;
 }
 
-FieldSource field_source(const Scene& scene, const Inference& inference, int number, const Store& store) {
+// Factors of the objects' squared errors where storage is shared out. An eye rests on a small glass as long as on a wall, so
+// an object's error counts for less than its pixels, but for more than the object itself: as their power of 2/3.
+std::vector<float> attention(const Inference& inference) {
+  std::vector<double> pixels(inference.objects.size());
+  for (const Field& field : inference.fields)
+    pixels[static_cast<size_t>(field.drawn_object)] = std::accumulate(field.importance.begin(), field.importance.end(), 0.0);
+  const double mean = std::accumulate(pixels.begin(), pixels.end(), 0.0) / static_cast<double>(std::max<size_t>(1, pixels.size()));
+  std::vector<float> factors;
+  for (const double own : pixels)
+    factors.push_back(own > 0 ? std::clamp(static_cast<float>(std::cbrt(mean / own)), 0.25f, 4.0f) : 1.0f);
+  return factors;
+}
+
+FieldSource field_source(const Scene& scene, const Inference& inference, int number, float attention, const Store& store) {
   const Field& field = inference.fields[number];
   const DrawnObject& object = inference.objects[field.drawn_object];
   FieldSource source;
@@ -71,6 +87,7 @@ FieldSource field_source(const Scene& scene, const Inference& inference, int num
   source.width = object.texture_width;
   source.height = object.texture_height;
   source.importance = field.importance;
+  for (float& importance : source.importance) importance *= attention;
   source.stagger = stagger_of(number, static_cast<int>(inference.fields.size()), field.space, block_size_of(field.space));
   source.samples_shown = static_cast<double>(scene.space().sample_count()) / static_cast<double>(field.space.sample_count());
   source.load = [&store, &field](int64_t sample) { return coded_planes(load_field_texture(store, field, sample)); };
@@ -128,7 +145,9 @@ struct BuiltImage {
 BuiltImage build_image(const Scene& scene, const Inference& inference, const Store& store, const Profile& profile,
                                    uint64_t field_bytes, Progress& progress) {
   std::vector<FieldSource> sources;
-  for (size_t f = 0; f < inference.fields.size(); ++f) sources.push_back(field_source(scene, inference, static_cast<int>(f), store));
+  const std::vector<float> factors = attention(inference);
+  for (size_t f = 0; f < inference.fields.size(); ++f)
+    sources.push_back(field_source(scene, inference, static_cast<int>(f), factors[static_cast<size_t>(inference.fields[f].drawn_object)], store));
   const std::vector<EncodedField> encoded = encode_fields(sources, {.target_bytes = field_bytes}, progress);
 
   std::vector<PlannedField> planned;
