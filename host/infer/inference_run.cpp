@@ -11,7 +11,7 @@
 namespace vitrine {
 namespace {
 
-constexpr int kInferenceVersion = 3;  // changes whenever the same input would give other textures
+constexpr int kInferenceVersion = 4;  // changes whenever the same input would give other textures
 constexpr size_t kBatch = 8;          // states read at once, if their frames stay below
 constexpr size_t kBatchFrameBytes = size_t{1} << 30;
 constexpr size_t kFramePixelBytes = 40;  // of a loaded frame: the picture, and layers of about one object a pixel

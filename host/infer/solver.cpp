@@ -16,6 +16,9 @@ namespace {
 
 // States of a stack are summed in this many partial sums, whatever the number of threads.
 constexpr size_t kPartialSums = 4;
+// Gamma alone carries slopes on into what no pixel sees, and overshoots there: this share of its strength holds each texel at
+// the push-pull value, which does not.
+constexpr float kHold = 0.05f;
 constexpr size_t kDotBlock = 256;  // texels summed in single precision before they join the double sum
 
 // Per channel: sum of a * b (* c).
@@ -103,7 +106,7 @@ struct TextureSolver::Impl final : TextureSolver::Base {
     }
   }
 
-  // out = (M' A' F' scale F A M + mu M' Gamma M) x.
+  // out = (M' A' F' scale F A M + mu M' Gamma M + kHold mu) x.
   struct Workspace {
     std::vector<T> in;
     std::array<std::vector<T>, kPartialSums> sums;
@@ -127,7 +130,8 @@ struct TextureSolver::Impl final : TextureSolver::Base {
     for (size_t part = 1; part < parts; ++part)
       for (size_t i = 0; i < total.size(); ++i) total[i] += work.sums[part][i];
     pyramid.decimate_transposed(total.data());
-    std::copy(total.begin(), total.begin() + static_cast<ptrdiff_t>(out.size()), out.begin());
+    const float hold = kHold * strength();
+    for (size_t i = 0; i < out.size(); ++i) out[i] = total[i] + hold * x[i];
   }
 
   static Channels ratio(const Channels& a, const Channels& b, const std::array<bool, 12>& active) {
@@ -155,6 +159,8 @@ struct TextureSolver::Impl final : TextureSolver::Base {
 
     Workspace work;
     std::vector<T> x = push_pull(pyramid, b, weight, std::max(mu, 1e-6f)), r(n), z(n), q(n);
+    const float hold = kHold * mu;
+    for (size_t i = 0; i < n; ++i) b[i] += hold * x[i];
     apply(x, r, work);
     for (size_t i = 0; i < n; ++i) z[i] = inverse[i] * b[i];
     const Channels reference = dot(b, z);

@@ -95,7 +95,7 @@ TEST_F(InferenceTest, HolesAreFilledSmoothly) {
   const LinearTexture texture = load_field_texture(work->store(), field, 0);
   glm::vec3 low(1e9f), high(-1e9f);
   for (size_t i = 0; i < texture.texels.size(); ++i) {
-    if (field.importance[i] < 0.5f) continue;
+    if (field.importance[i] < kHole) continue;
     low = glm::min(low, texture.texels[i]);
     high = glm::max(high, texture.texels[i]);
   }
