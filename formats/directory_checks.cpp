@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "formats/image.h"
+#include "formats/mesh.h"
 #include "formats/node_coding.h"
 #include "formats/rig.h"
 #include "formats/text.h"

@@ -57,9 +57,4 @@ class ImageView {
   uint32_t version_ = 0;
 };
 
-// Meshes: vertices are {float x, y, z, u, v}, indices uint32. Decodes into the caller's arrays of exactly the counts that
-// the object declares; fails on damaged data or an index out of range.
-struct MeshVertex { float x, y, z, u, v; };
-Status decode_mesh(const ImageView& image, const fb::Object& object, std::span<MeshVertex> vertices, std::span<uint32_t> indices);
-
 }  // namespace vitrine

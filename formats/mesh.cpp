@@ -1,4 +1,6 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "formats/mesh.h"
+
 #include <meshoptimizer.h>
 
 #include <cmath>

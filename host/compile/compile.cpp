@@ -23,9 +23,9 @@ namespace {
 // Changes whenever encode, plan or link would make other bytes of the same textures.
 constexpr int kImageRevision = 3;
 
-// Reflections and glass are seen once each, diffuse light in all views: the one's noise costs four times the rays, then it
+// Reflections and glass are seen once each, diffuse light in all views: the one's noise costs three times the rays, then it
 // stays below what the textures of these scenes miss anyway.
-constexpr int kSpecularFactor = 4;
+constexpr int kSpecularFactor = 3;
 
 int64_t render_missing(const Scene& scene, const std::vector<StoreKey>& keys, const Store& store, Progress& progress) {
   std::vector<int64_t> missing;

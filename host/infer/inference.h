@@ -15,7 +15,7 @@
 #include <string>
 #include <vector>
 
-#include "formats/image.h"
+#include "formats/mesh.h"
 #include "formats/parameter_space.h"
 #include "hal/gpu.h"
 #include "host/base/progress.h"

@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "formats/image.h"
+#include "formats/mesh.h"
 
 namespace vitrine {
 

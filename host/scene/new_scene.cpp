@@ -37,7 +37,7 @@ environment = "studio.exr"            # light from all around: a lat-long .exr o
 environment_rotation = 0              # degrees about the vertical axis
 background = [0.6, 0.6, 0.6]          # what is seen behind the model; "environment" shows the light itself
 resolution = [640, 480]               # of the rendered pictures, width and height
-samples_per_pixel = 32                # more: less noise, longer nights; reflections get 4 times, glass 12 times as many
+samples_per_pixel = 32                # more: less noise, longer nights; reflections get 3 times, glass 12 times as many
 max_radiance = 0                      # bound of one path's indirect light, against fireflies; 0: none
 exposure = 1.0                        # factor between radiance and the screen
 

@@ -46,7 +46,8 @@ Bsdf::Bsdf(const SurfaceParameters& parameters, const glm::vec3& wo, const glm::
   inside_ = solid_ && back;
   eta_ = inside_ ? 1 / p_.ior : p_.ior;
 
-  const ReflectionAlbedo albedo = reflection_albedo(local_wo_.z, p_.alpha);
+  const bool reflects = p_.glass > 0 || !is_black(p_.specular_f90) || !is_black(p_.specular_f0);
+  const ReflectionAlbedo albedo = reflects ? reflection_albedo(local_wo_.z, p_.alpha) : ReflectionAlbedo{0, 0};
   float specular = 0;
   prepare_specular(albedo, specular);
   float coat_weight = 0;
@@ -78,7 +79,7 @@ Bsdf::Bsdf(const SurfaceParameters& parameters, const glm::vec3& wo, const glm::
 void Bsdf::prepare_specular(const ReflectionAlbedo& albedo, float& albedo_estimate) {
   const float single = luminance(albedo.schlick(p_.specular_f0, p_.specular_f90));
   albedo_estimate = single;
-  if (p_.alpha < kNoLossAlpha || p_.glass >= 1) return;
+  if (p_.alpha < kNoLossAlpha || p_.glass >= 1 || !(single > 0)) return;
   const float share = 1 - p_.glass, mean = mean_white_albedo(p_.alpha);
   const glm::vec3 returned = share * multiple_scattering(p_.specular_f0 / share, p_.specular_f90 / share, mean);
   if (max_component(returned) < 0.01f) return;  // dielectrics return next to nothing

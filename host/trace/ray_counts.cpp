@@ -8,7 +8,7 @@
 namespace vitrine::trace {
 namespace {
 
-constexpr int kGlossFactor = 3;  // glass and mirrors over what also scatters diffusely
+constexpr int kGlossFactor = 4;  // glass and mirrors over what also scatters diffusely
 constexpr int kReach = 2;  // pixels: the filter's radius, and what a thin edge may move between two centres
 
 // The largest value within kReach along one dimension: `count` values, `step` apart.

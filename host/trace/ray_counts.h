@@ -15,7 +15,7 @@ namespace vitrine::trace {
 
 class RayCounts {
  public:
-  // `base`: rays of a pixel that shows nothing specular; `factor` >= 1: times as many where it does, and three times that
+  // `base`: rays of a pixel that shows nothing specular; `factor` >= 1: times as many where it does, and four times that
   // where nearly all light is specular.
   RayCounts(const Integrator& integrator, const CameraRays& camera, int width, int height, int base, int factor);
   int at(int x, int y) const { return counts_[static_cast<size_t>(y) * static_cast<size_t>(width_) + static_cast<size_t>(x)]; }

@@ -19,7 +19,7 @@ struct TraceOptions {
   int samples_per_pixel = 64;
   uint32_t seed = 0;   // independent noise for different seeds
   bool layers = true;  // fill Frame::objects
-  // Pixels that may show reflections or refraction get this many times as many camera rays, three times that where they show
+  // Pixels that may show reflections or refraction get this many times as many camera rays, four times that where they show
   // little else: for frames whose textures will be inferred. 1: the same everywhere.
   int specular_factor = 1;
 };
@@ -38,6 +38,6 @@ class Tracer {
 };
 
 // Changes whenever the tracer would give other pictures for the same input; part of every frame's key.
-inline constexpr uint32_t kTracerVersion = 3;
+inline constexpr uint32_t kTracerVersion = 4;
 
 }  // namespace vitrine

@@ -12,7 +12,7 @@
 #include <glm/mat4x4.hpp>
 #include <span>
 
-#include "formats/image.h"
+#include "formats/mesh.h"
 #include "formats/status.h"
 #include "hal/gpu.h"
 

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "formats/image.h"
+#include "formats/mesh.h"
 #include "formats/node_coding.h"
 #include "host/link/image_writer.h"
 

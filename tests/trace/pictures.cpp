@@ -174,7 +174,7 @@ TEST(Picture, MoreRaysForReflectionsMakeThemCleanerAndNoBrighter) {
       }
     return std::array{sum / count, squares / count, static_cast<double>(count)};
   };
-  const auto even = compare(1), more = compare(4);
+  const auto even = compare(1), more = compare(3);
   ASSERT_GT(more[2], 30);
   EXPECT_LT(more[1], 0.4 * even[1]);  // twelve times the rays
   EXPECT_LT(std::fabs(more[0]), 4 * std::sqrt(more[1] / more[2]));
