@@ -69,7 +69,7 @@ def walk_good(model, name):
     for command in ([vitrine, "new", scene, "--from", model, "--quiet"],
                     [vitrine, "compile", scene, "-o", image, "--preset", "tiny", "--storage", "12 MB", "--quiet"],
                     [play, image, "--backend", "osmesa", "--at", "view=0.5,lamp=0.5", "--out", os.path.join(out_dir, name + ".png"), "--quiet"],
-                    [vitrine, "render", scene, "--at", "view=0.5,lamp=0.5", "--size", "160x120", "--spp", "32", "--quiet", "-o", os.path.join(out_dir, name + ".truth.png")]):
+                    [vitrine, "render", scene, "--at", "view=0.5,lamp=0.5", "--size", "160x120", "--spp", "8", "--quiet", "-o", os.path.join(out_dir, name + ".truth.png")]):
         code, error = run(command)
         if code != 0:
             return code, error
