@@ -40,7 +40,7 @@ bool is_constant_backdrop(const Object& object, const ObjectLight& light) {
   return object.follows_camera && is_constant(light[0]) && !carries_light(light[1]);
 }
 
-// Objects that some state shows and that carry light, with their texture sizes.
+// Objects that some state shows, with their texture sizes.
 std::vector<DrawnObject> fit_objects(const Scene& scene, std::vector<DrawnObject> all, const std::vector<ObjectSurvey>& surveys,
                                      const std::vector<ObjectLight>& lights, const InferenceOptions& options) {
   std::vector<DrawnObject> fitted;
@@ -65,6 +65,16 @@ std::vector<Field> make_fields(const Scene& scene, const std::vector<DrawnObject
       fields.push_back({static_cast<int>(i), layer_name(layer), axes, scene.space().restricted(axes), {}, {}});
     }
   return fields;
+}
+
+// Shown, and black in every picture: most often a closed room without a lamp, or a lamp that does not reach.
+std::vector<std::string> warn_of_darkness(const Scene& scene, const std::vector<DrawnObject>& objects, const std::vector<Field>& fields) {
+  std::vector<std::string> warnings;
+  for (size_t i = 0; i < objects.size(); ++i)
+    if (std::none_of(fields.begin(), fields.end(), [&](const Field& f) { return f.drawn_object == static_cast<int>(i); }))
+      warnings.push_back(fmt::format("\"{}\" is black in all pictures: no light reaches it; add a lamp where it does, or open the room to the environment",
+                                     scene.objects[static_cast<size_t>(objects[i].object)].name));
+  return warnings;
 }
 
 size_t stride_for_memory(size_t states, const InferenceOptions& options) {
@@ -93,6 +103,7 @@ Inference infer_textures(const Scene& scene, const std::vector<StoreKey>& frames
   }
   inference.objects = fit_objects(scene, std::move(inference.objects), surveys, lights, options);
   inference.fields = make_fields(scene, inference.objects, lights);
+  inference.warnings = warn_of_darkness(scene, inference.objects, inference.fields);
   GeometryStates geometry = states_of(inference.objects);
   const size_t stride = stride_for_memory(geometry.states.size(), options);
   if (stride > 1)
