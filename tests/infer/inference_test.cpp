@@ -1,6 +1,7 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 #include "host/infer/inference.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 
@@ -109,6 +110,17 @@ TEST_F(InferenceTest, HolesAreFilledSmoothly) {
     if (!inside_hole || static_cast<int>(i + 1) % texture.width == 0) continue;
     EXPECT_LT(glm::length(texture.texels[i + 1] - texture.texels[i]), 0.15f) << "texel " << i;
   }
+}
+
+TEST_F(InferenceTest, AnObjectThatNoLightReachesIsNamedInAWarning) {
+  EXPECT_THAT(inference.warnings, ::testing::IsEmpty());
+  Truth dark = smooth_truth();
+  const auto lit = dark.diffuse;
+  dark.diffuse = [lit](int object, glm::vec2 uv, int lamp) { return object == 1 ? glm::vec3(0) : lit(object, uv, lamp); };
+  ScratchStore store;
+  const auto keys = draw_frames(*scene, dark, kSmall, *gpu, store.store());
+  const Inference result = infer_textures(*scene, keys, store.store(), *gpu, kSmall, silent_progress());
+  EXPECT_THAT(result.warnings, ::testing::ElementsAre(::testing::HasSubstr("\"" + scene->objects[1].name + "\"")));
 }
 
 TEST_F(InferenceTest, ImportanceSumsToThePixelsOfTheObject) {
