@@ -94,8 +94,9 @@ Inference infer_textures(const Scene& scene, const std::vector<StoreKey>& frames
     return make_geometry_states(scene, geometry_axes(scene), objects, aspect);
   };
   Inference inference;
-  inference.objects = draw_objects(scene);
-  inference.objects = objects_in_picture(std::move(inference.objects), states_of(inference.objects).states);
+  std::vector<DrawnObject> all = draw_objects(scene);
+  const GeometryStates all_states = states_of(all);
+  inference.objects = objects_in_picture(std::move(all), all_states.states);
   std::vector<ObjectSurvey> surveys;
   {
     TestRenderer renderer(gpu, options, inference.objects);

@@ -48,7 +48,7 @@ void add_child_cycle(Model& m) {
 }
 
 void add_texture(Model& m, const json& image) {
-  m.json["images"] = {image};
+  m.json["images"] = nlohmann::json::array({image});
   m.json["textures"] = {{{"source", 0}}};
   m.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"]["index"] = 0;
 }
