@@ -4,12 +4,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <numbers>
 
 #include "host/base/error.h"
 #include "host/scene/files.h"
+#include "host/scene/storage_text.h"
 #include "host/scene/text.h"
 #include "host/scene/toml_view.h"
 
@@ -146,19 +146,8 @@ ObjectDescription read_object(const TomlView& view) {
   return object;
 }
 
-// "384:1", "150 KB/block", "12 MB", blanks anywhere between. (No std::regex: under -fsanitize GCC 12 warns of its inside.)
-bool is_storage(std::string text) {
-  text.erase(std::remove(text.begin(), text.end(), ' '), text.end());
-  const size_t digits = std::min(text.find_first_not_of("0123456789."), text.size());
-  const std::string number = text.substr(0, digits), unit = text.substr(digits);
-  const bool good_number = !number.empty() && std::isdigit(static_cast<unsigned char>(number[0])) && number.size() <= 18 &&
-                           std::count(number.begin(), number.end(), '.') <= 1;
-  static const std::vector<std::string> kUnits = {":1", "B", "KB", "MB", "B/block", "KB/block", "MB/block"};
-  return good_number && std::find(kUnits.begin(), kUnits.end(), unit) != kUnits.end();
-}
-
 void check_storage(const TomlView& view, const std::string& storage) {
-  if (!is_storage(storage))
+  if (!parse_storage(storage))
     view.fail("\"storage\" is " + in_quotes(storage),
               "write a size per block (\"150 KB/block\"), a ratio (\"384:1\") or a size in all (\"12 MB\")");
 }
