@@ -70,6 +70,7 @@ Status check_picture(const fb::Image& image) {
     return malformed("the picture has an impossible size");
   if (image.supersampling() < 1 || image.supersampling() > limits::kSupersampling)
     return malformed("the supersampling is impossible");
+  if (image.paths_per_pixel() > limits::kPathsPerPixel) return malformed("the paths per pixel are impossible");
   if (!in_range(image.exposure(), 1e-6f, 1e6f)) return malformed("the exposure is impossible");
   return {};
 }

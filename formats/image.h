@@ -28,7 +28,7 @@ inline constexpr uint32_t kMaxObjects = 4096, kMaxRigNodes = 65536, kMaxTextureS
 namespace limits {
 inline constexpr uint32_t kIndices = 3u << 24, kRigTracks = 65536, kTrackKeys = 1u << 22, kFieldsPerObject = 16;
 inline constexpr uint32_t kAxisSamples = 4096, kCodedNodes = 1u << 24, kNameBytes = 255, kPictureSize = 8192;
-inline constexpr uint32_t kSupersampling = 4, kFrames = 1u << 20;
+inline constexpr uint32_t kSupersampling = 4, kFrames = 1u << 20, kPathsPerPixel = 1u << 20;
 inline constexpr uint64_t kGridSamples = 1u << 24, kDirectoryBytes = 1u << 28, kUnits = uint64_t{1} << 40;
 // What loading an image may ask for in all: caches, meshes, textures with their MIP levels, render targets.
 inline constexpr uint64_t kEngineBytes = uint64_t{1} << 32;

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <fstream>
 #include <numeric>
 
 #include "formats/companding.h"
@@ -19,9 +18,6 @@
 
 namespace vitrine {
 namespace {
-
-// Changes whenever encode, plan or link would make other bytes of the same textures.
-constexpr int kImageRevision = 3;
 
 // Reflections and glass are seen once each, diffuse light in all views: the one's noise costs three times the rays, then it
 // stays below what the textures of these scenes miss anyway.
@@ -94,47 +90,6 @@ FieldSource field_source(const Scene& scene, const Inference& inference, int num
   return source;
 }
 
-// The key of everything that the image's bytes depend on.
-StoreKey image_key(const Scene& scene, const Inference& inference, const Profile& profile, uint64_t bytes) {
-  KeyBuilder key;
-  key.text("image");
-  key.integer(kImageRevision);
-  key.integer(static_cast<int64_t>(bytes));
-  key.text(profile.name);
-  for (const uint64_t value : {profile.units_per_frame, profile.upload_bytes_per_frame, profile.cache_bytes})
-    key.integer(static_cast<int64_t>(value));
-  key.integer(profile.supersampling);
-  key.number(scene.settings.exposure);
-  key.integer(scene.settings.interpolate);
-  for (const Axis& axis : scene.axes) {
-    key.text(axis.name);
-    key.integer(static_cast<int>(axis.shape.kind));
-    key.integer(axis.shape.samples);
-    key.number(axis.max_speed);
-  }
-  for (const DrawnObject& object : inference.objects) {
-    key.text(scene.objects[object.object].name);
-    key.bytes(object.vertices.data(), object.vertices.size() * sizeof(MeshVertex));
-    key.bytes(object.indices.data(), object.indices.size() * sizeof(uint32_t));
-    key.integer(object.culled_index_count);
-  }
-  for (const Field& field : inference.fields) {
-    key.integer(field.drawn_object);
-    key.text(field.layer);
-    key.integer(field.axes);
-    for (const StoreKey& texture : field.textures) key.text(texture.hex());
-    key.bytes(field.importance.data(), field.importance.size() * sizeof(float));
-  }
-  return key.finish();
-}
-
-std::vector<std::byte> read_file(const std::filesystem::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::vector<char> bytes((std::istreambuf_iterator<char>(in)), std::istreambuf_iterator<char>());
-  const auto* first = reinterpret_cast<const std::byte*>(bytes.data());
-  return {first, first + bytes.size()};
-}
-
 struct BuiltImage {
   std::vector<std::byte> bytes;
   std::vector<std::string> misfits;  // what the profile does not provide for
@@ -201,6 +156,14 @@ void write_image(const std::filesystem::path& path, const std::vector<std::byte>
   if (!status.ok()) throw InputError(path.string(), status.detail(), "check that the folder exists and has room");
 }
 
+// Said before a night of work, not after it.
+void check_output(const std::filesystem::path& path) {
+  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
+  if (path.extension() != ".vit") throw InputError(path.empty() ? "-o" : path.string(), "it is not the name of an image", "write -o NAME.vit");
+  if (std::filesystem::is_directory(path)) throw InputError(path.string(), "it is a folder", "give the image another name");
+  if (!std::filesystem::is_directory(folder)) throw InputError(path.string(), "its folder does not exist", "make the folder first");
+}
+
 }  // namespace
 
 TraceOptions trace_options(const Scene& scene) {
@@ -233,6 +196,7 @@ std::optional<Inference> find_inference(const Scene& scene, const Store& store, 
 
 CompileReport compile_scene(const Scene& scene, const CompileOptions& options, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
+  check_output(options.image);
   if (scene.axes.empty()) throw InputError(scene.file.string(), "there is no [[axis]]", "add one (vitrine new shows how), or use vitrine render");
   const Profile profile = load_profile(options.profile.empty() ? scene.settings.profile : options.profile);
   const std::string storage = options.storage.empty() ? scene.settings.storage : options.storage;
@@ -246,20 +210,11 @@ CompileReport compile_scene(const Scene& scene, const CompileOptions& options, P
   report.frames_rendered = render_missing(scene, keys, store, progress);
 
   const Inference inference = infer(scene, keys, store, profile.supersampling, progress);
-  const std::filesystem::path finished = options.work / "images" / (image_key(scene, inference, profile, bytes).hex() + ".vit");
-  std::vector<std::byte> image;
-  if (std::filesystem::exists(finished)) {
-    image = read_file(finished);
-  } else {
-    BuiltImage built = build_to_size(scene, inference, store, profile, bytes, progress);
-    image = std::move(built.bytes);
-    report.warnings = std::move(built.misfits);
-    std::filesystem::create_directories(finished.parent_path());
-    write_image(finished, image);
-  }
-  write_image(options.image, image);
-  report.warnings.insert(report.warnings.begin(), inference.warnings.begin(), inference.warnings.end());
-  report.bytes = image.size();
+  BuiltImage built = build_to_size(scene, inference, store, profile, bytes, progress);
+  write_image(options.image, built.bytes);
+  report.warnings = inference.warnings;
+  report.warnings.insert(report.warnings.end(), built.misfits.begin(), built.misfits.end());
+  report.bytes = built.bytes.size();
   report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
   return report;
 }
