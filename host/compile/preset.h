@@ -12,8 +12,8 @@ namespace vitrine {
 
 // name   resolution  samples per axis              paths per pixel   storage
 // full   as written  as written                    as written        as written
-// small  half        half (at least 2)             a twentieth, 12..32 as written
-// tiny   a quarter   at most 3                     8                 what `full` would get
+// small  half        half (at least 2)             a tenth, 6..16    as written
+// tiny   a quarter   at most 3                     at most 4         what `full` would get
 // Discrete axes keep all their values. Throws InputError for another name.
 void apply_preset(Scene& scene, const std::string& name);
 

@@ -1,6 +1,7 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <map>
 #include <nlohmann/json.hpp>
 
@@ -113,6 +114,13 @@ GridOfImage grid_of(const ImageView& image) {
   return grid;
 }
 
+// Axes may well be called alike in two scenes; objects hardly are.
+void check_objects(const ImageView& image, const Scene& scene, const std::string& name) {
+  for (const fb::Object* object : *image.directory().objects())
+    if (std::none_of(scene.objects.begin(), scene.objects.end(), [&](const Object& o) { return o.name == object->name()->str(); }))
+      throw InputError(name, "it shows \"" + object->name()->str() + "\", which " + scene.file.string() + " does not have", "name the scene that it was compiled from");
+}
+
 void run(const Options& options) {
   const auto jobs = limit_jobs(options.common);
   const auto progress = make_progress(options.common);
@@ -121,6 +129,7 @@ void run(const Options& options) {
   const auto image = ImageView::open(file.value().bytes());
   if (!image.ok()) throw InputError(options.image, image.status().detail(), "compile it again");
   const auto scene = load_scene_with(options.scene, options.common, [&](Scene& s) { apply_grid(s, grid_of(image.value()), options.image); });
+  check_objects(image.value(), *scene, options.image);
 
   const Store store(options.work.empty() ? default_work_folder(options.image) : std::filesystem::path(options.work));
   const auto inference = find_inference(*scene, store, static_cast<int>(image.value().directory().supersampling()), *progress);
