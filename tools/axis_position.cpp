@@ -43,13 +43,16 @@ float parse_value(const ParameterSpace& space, int axis, const std::string& name
 
 Position parse_position(const std::string& text, const std::vector<std::string>& names, const ParameterSpace& space) {
   Position position{};
-  for (size_t begin = 0; begin < text.size();) {
+  std::vector<bool> given(names.size());
+  for (size_t begin = 0; !text.empty() && begin <= text.size();) {
     const size_t end = std::min(text.find(',', begin), text.size());
     const std::string item = text.substr(begin, end - begin);
     const size_t equals = item.find('=');
     if (equals == std::string::npos) throw PositionError(fmt::format("\"{}\" is not AXIS=POSITION: write view=0.5 or view=#3", item));
     const std::string name = item.substr(0, equals);
     const int axis = axis_of(names, name);
+    if (given[static_cast<size_t>(axis)]) throw PositionError(fmt::format("axis {} is given twice: give it once", name));
+    given[static_cast<size_t>(axis)] = true;
     position[static_cast<size_t>(axis)] = parse_value(space, axis, name, item.substr(equals + 1));
     begin = end + 1;
   }

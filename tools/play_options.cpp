@@ -5,6 +5,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cstdlib>
+#include <filesystem>
 #include <map>
 
 #include "tools/axis_position.h"
@@ -32,7 +33,8 @@ bool set_in_environment(const char* name) {
 void check_combination(const PlayOptions& options) {
   if (options.still() && (!options.script.empty() || options.frames))
     throw UsageError("--out FILE.png is one still: with --script or --frames give a folder");
-  if (options.frames && *options.frames < 1) throw UsageError("--frames: give a number of at least 1");
+  if (const std::string ending = std::filesystem::path(options.out).extension(); !options.still() && !ending.empty())
+    throw UsageError("--out " + options.out + ": give a name that ends in .png for a still, or a folder without an ending for frames");
 }
 
 }  // namespace
@@ -40,20 +42,21 @@ void check_combination(const PlayOptions& options) {
 std::optional<PlayOptions> parse_options(int argc, char** argv) {
   PlayOptions options;
   int64_t frames = 0;
+  const CLI::Validator not_empty([](const std::string& text) { return std::string(text.empty() ? "is empty" : ""); }, "");
   Backend backend = Backend::kOsmesa;
   CLI::App app("Plays a Vitrine image: a photoreal picture that answers dials.", "vitrine-play");
   app.footer(kFooter);
   app.set_version_flag("--version", "vitrine-play " VITRINE_VERSION);
-  app.add_option("IMAGE", options.image, "the image, as vitrine compile wrote it")->required()->type_name("");
+  app.add_option("IMAGE", options.image, "the image, as vitrine compile wrote it")->required()->check(not_empty)->type_name("");
   const std::map<std::string, Backend> backends{{"sdl", Backend::kSdl}, {"osmesa", Backend::kOsmesa}, {"null", Backend::kNull}};
   auto* backend_option =
       app.add_option("--backend", backend, "sdl: a window; osmesa: off screen, in software; null: draws nothing");
   backend_option->transform(CLI::Transformer(backends).description(""))->type_name("sdl|osmesa|null");
-  app.add_option("--at", options.at, "where to start: positions from 0 to 1, or grid samples as #17")->type_name("AXIS=P,...");
-  app.add_option("--script", options.script, "positions to play, frame by frame")->type_name("FILE.csv");
+  app.add_option("--at", options.at, "where to start: positions from 0 to 1, or grid samples as #17")->check(not_empty)->type_name("AXIS=P,...");
+  app.add_option("--script", options.script, "positions to play, frame by frame")->check(not_empty)->type_name("FILE.csv");
   auto* frames_option =
-      app.add_option("--frames", frames, "how many frames to play (else: to the script's end, or until closed)")->type_name("N");
-  app.add_option("--out", options.out, "a still at --at, decoded in full; or a folder for numbered frames")
+      app.add_option("--frames", frames, fmt::format("how many frames to play (else: to the script's end; in a window until it is closed; off screen {})", kFramesWithoutEnd))->check(CLI::Range(int64_t{1}, int64_t{1} << 53).description(""))->type_name("N");
+  app.add_option("--out", options.out, "a still at --at, decoded in full; or a folder for numbered frames")->check(not_empty)
       ->type_name("F.png|DIR");
   app.add_flag("--stats", options.stats, "print frame times, decoding units, late nodes at the end");
   app.add_flag("--json", options.json, "print the same as one JSON object on stdout");

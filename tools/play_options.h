@@ -8,6 +8,7 @@
 #include <string>
 
 #include "formats/image.h"
+#include "tools/usage_error.h"
 
 namespace vitrine {
 
@@ -16,11 +17,11 @@ struct PlayError : std::runtime_error {
   PlayError(const std::string& file, const std::string& what, const std::string& remedy)
       : std::runtime_error(file + ": " + what + ": " + remedy) {}
 };
-struct UsageError : std::runtime_error {
-  using std::runtime_error::runtime_error;
-};
 
 enum class Backend { kSdl, kOsmesa, kNull };
+
+// Frames that are played off screen where neither --frames nor a script says how many.
+inline constexpr int64_t kFramesWithoutEnd = 60;
 
 struct PlayOptions {
   std::string image;

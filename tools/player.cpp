@@ -20,7 +20,6 @@ namespace vitrine {
 namespace {
 
 constexpr int64_t kFrameNs = 1'000'000'000 / 60;
-constexpr int64_t kFramesWithoutEnd = 60;  // off screen, where nothing else says how many
 
 const char* remedy_for(StatusCode code) {
   switch (code) {

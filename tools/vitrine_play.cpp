@@ -8,6 +8,7 @@
 #include <exception>
 
 #include "tools/player.h"
+#include "tools/standard_output.h"
 
 namespace {
 
@@ -35,6 +36,7 @@ int main(int argc, char** argv) try {
   vitrine::Player player(*options);
   player.play();
   player.print_stats();
+  vitrine::finish_standard_output();
   return 0;
 } catch (const vitrine::UsageError& error) {
   return report(error, 2);

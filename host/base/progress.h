@@ -19,11 +19,23 @@ class Progress {
   virtual ~Progress() = default;
   // A stage begins: `total` steps named `unit` (plural), of which `already` need no work.
   virtual void begin(const char* stage, int64_t total, int64_t already, const char* unit) = 0;
-  virtual void advance(int64_t steps) = 0;  // throws Interrupted
+  virtual void advance(int64_t steps) = 0;  // throws Interrupted; 0 steps: only for that
   virtual void end() = 0;
 };
 
 // Says nothing and is never interrupted.
 Progress& silent_progress();
+
+// For a part of one step of `whole`: passes interruption on, and no steps.
+class PartOfStep final : public Progress {
+ public:
+  explicit PartOfStep(Progress& whole) : whole_(whole) {}
+  void begin(const char*, int64_t, int64_t, const char*) override {}
+  void advance(int64_t) override { whole_.advance(0); }
+  void end() override {}
+
+ private:
+  Progress& whole_;
+};
 
 }  // namespace vitrine

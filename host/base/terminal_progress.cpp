@@ -82,6 +82,7 @@ void TerminalProgress::end() {
 
 bool TerminalProgress::is_due(double now) const {
   if (redraw_) return now - shown_at_ >= kRedrawSeconds;
+  if (done_ >= total_) return false;  // end() says it
   return now - shown_at_ >= kPlainSeconds || (now - shown_at_ >= kShortestPlainSeconds && (done_ - shown_) * 10 >= total_);
 }
 

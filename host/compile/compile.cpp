@@ -11,6 +11,7 @@
 #include "hal/backends.h"
 #include "hal/storage.h"
 #include "host/base/error.h"
+#include "host/base/output_file.h"
 #include "host/encode/encode.h"
 #include "host/infer/verification.h"
 #include "host/link/link.h"
@@ -34,7 +35,8 @@ int64_t render_missing(const Scene& scene, const std::vector<StoreKey>& keys, co
     const ParameterSpace space = scene.space();
     for (const int64_t sample : missing) {
       const Position position = space.position_of(space.index_from_flat(sample));
-      store.save_frame(keys[sample], scene, tracer.render(position, trace_options(scene)));
+      PartOfStep part(progress);
+      store.save_frame(keys[sample], scene, tracer.render(position, trace_options(scene), part));
       progress.advance(1);
     }
   }
@@ -156,14 +158,6 @@ void write_image(const std::filesystem::path& path, const std::vector<std::byte>
   if (!status.ok()) throw InputError(path.string(), status.detail(), "check that the folder exists and has room");
 }
 
-// Said before a night of work, not after it.
-void check_output(const std::filesystem::path& path) {
-  const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : ".";
-  if (path.extension() != ".vit") throw InputError(path.empty() ? "-o" : path.string(), "it is not the name of an image", "write -o NAME.vit");
-  if (std::filesystem::is_directory(path)) throw InputError(path.string(), "it is a folder", "give the image another name");
-  if (!std::filesystem::is_directory(folder)) throw InputError(path.string(), "its folder does not exist", "make the folder first");
-}
-
 }  // namespace
 
 TraceOptions trace_options(const Scene& scene) {
@@ -196,9 +190,10 @@ std::optional<Inference> find_inference(const Scene& scene, const Store& store, 
 
 CompileReport compile_scene(const Scene& scene, const CompileOptions& options, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  check_output(options.image);
+  if (options.image.extension() != ".vit") throw InputError(options.image.string(), "it is not the name of an image", "write -o NAME.vit");
+  check_output_file(options.image);
   if (scene.axes.empty()) throw InputError(scene.file.string(), "there is no [[axis]]", "add one (vitrine new shows how), or use vitrine render");
-  const Profile profile = load_profile(options.profile.empty() ? scene.settings.profile : options.profile);
+  const Profile profile = options.profile.empty() ? load_profile(scene.settings.profile, scene.file.string() + ": target.profile") : load_profile(options.profile);
   const std::string storage = options.storage.empty() ? scene.settings.storage : options.storage;
   const uint64_t bytes = storage_bytes(storage, scene, options.storage.empty() ? scene.file.string() : "--storage");
   const Store store(options.work);

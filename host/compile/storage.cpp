@@ -28,7 +28,7 @@ uint64_t storage_bytes(const std::string& storage, const Scene& scene, const std
                                                         : text->amount;
   }
   if (!(bytes >= 1) || bytes > 4e9) {
-    throw InputError(source, "storage \"" + storage + "\" is not an amount", "write \"100:1\", \"150 KB/block\" or \"12 MB\" (up to 4 GB)");
+    throw InputError(source, "storage \"" + storage + "\" is not an amount", "write \"100:1\" (at least 1:1), \"150 KB/block\" or \"12 MB\" (up to 4 GB)");
   }
   return static_cast<uint64_t>(bytes);
 }

@@ -46,11 +46,11 @@ double estimated_price(std::vector<FieldJob>& jobs, double target) {
 }
 
 // Keeps, per field, the exponent of its steps that gives the least error at the price of its bits.
-void choose_exponents(std::vector<FieldJob>& jobs, double price) {
+void choose_exponents(std::vector<FieldJob>& jobs, double price, Progress& progress) {
   std::vector<double> best(jobs.size(), INFINITY), exponent(jobs.size(), 1);
   for (const double candidate : {1.0, 0.8, 0.6}) {
     for (FieldJob& job : jobs) job.setting.step_exponent = candidate;
-    const Pass pass = encode_pass(jobs, price, true, nullptr);
+    const Pass pass = encode_pass(jobs, price, true, progress);
     for (size_t f = 0; f < jobs.size(); ++f) {
       const double cost = jobs[f].source->samples_shown * pass.fields[f].squared_error + price * 8 * pass.fields[f].bytes;
       if (cost < best[f]) best[f] = cost, exponent[f] = candidate;
@@ -60,15 +60,15 @@ void choose_exponents(std::vector<FieldJob>& jobs, double price) {
 }
 
 // Pyramids, exponents and contexts from previews; returns a price that should meet the target.
-double prepare(std::vector<FieldJob>& jobs, double price, double target) {
+double prepare(std::vector<FieldJob>& jobs, double price, double target, Progress& progress) {
   PriceSearch search(target);
   choose_pyramids(jobs, price);
   for (int round = 0; round < 3; ++round) {
-    const Pass pass = encode_pass(jobs, price, true, nullptr);
+    const Pass pass = encode_pass(jobs, price, true, progress);
     train_contexts(jobs, pass);
     if (target > 0) price = search.next(price, pass.bytes);
     if (round == 0) choose_pyramids(jobs, price);
-    if (round == 1) choose_exponents(jobs, price);
+    if (round == 1) choose_exponents(jobs, price, progress);
   }
   return price;
 }
@@ -117,7 +117,8 @@ int64_t block_count(const std::vector<FieldJob>& jobs) {
 }
 
 std::vector<EncodedField> encode_to_target(std::vector<FieldJob>& jobs, double target, double floor, Progress& progress) {
-  double price = std::max(floor, prepare(jobs, std::max(floor, estimated_price(jobs, target)), kAim * target));
+  PartOfStep part(progress);
+  double price = std::max(floor, prepare(jobs, std::max(floor, estimated_price(jobs, target)), kAim * target, part));
   double tables = 0;
   for (const FieldJob& job : jobs) tables += table_bytes(job);
   PriceSearch search(kAim * target);
@@ -125,7 +126,7 @@ std::vector<EncodedField> encode_to_target(std::vector<FieldJob>& jobs, double t
   double best_bytes = -1;
   for (int i = 0; i < kFullPasses || (!best && i < 4 * kFullPasses); ++i) {
     progress.begin("coding textures", block_count(jobs), 0, "blocks");
-    const Pass pass = encode_pass(jobs, price, false, &progress);
+    const Pass pass = encode_pass(jobs, price, false, progress);
     progress.end();
     if (pass.bytes <= target && pass.bytes > best_bytes) best = assemble_all(jobs, pass, price), best_bytes = pass.bytes;
     if (best_bytes >= kEnough * target || (best && (price <= floor || finest(jobs, price)))) break;
@@ -165,9 +166,10 @@ std::vector<EncodedField> encode_fields(const std::vector<FieldSource>& fields, 
     return encode_to_target(jobs, static_cast<double>(options.target_bytes), price_of(options.finest_quantizer), progress);
   }
   const double price = price_of(options.quantizer);
-  prepare(jobs, price, 0);
+  PartOfStep part(progress);
+  prepare(jobs, price, 0, part);
   progress.begin("coding textures", block_count(jobs), 0, "blocks");
-  const Pass pass = encode_pass(jobs, price, false, &progress);
+  const Pass pass = encode_pass(jobs, price, false, progress);
   progress.end();
   return assemble_all(jobs, pass, price);
 }

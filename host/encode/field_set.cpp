@@ -118,7 +118,7 @@ double table_bytes(const FieldJob& job) {
   return 8.0 * job.shape.node_count() + 1.0 * kContextBytesPerLevel * job.shape.pyramid.level_count;
 }
 
-Pass encode_pass(const std::vector<FieldJob>& jobs, double price, bool preview, Progress* progress) {
+Pass encode_pass(const std::vector<FieldJob>& jobs, double price, bool preview, Progress& progress) {
   Pass pass;
   pass.fields.resize(jobs.size());
   std::vector<FieldCoder> coders;
@@ -130,7 +130,7 @@ Pass encode_pass(const std::vector<FieldJob>& jobs, double price, bool preview, 
   }
   tbb::parallel_for(size_t{0}, tasks.size(), [&](size_t t) {
     pass.fields[tasks[t].field].blocks[static_cast<size_t>(tasks[t].block)] = coders[tasks[t].field].encode_block(tasks[t].block);
-    if (progress) progress->advance(1);
+    progress.advance(1);
   });
   for (size_t f = 0; f < jobs.size(); ++f) {
     FieldPass& field = pass.fields[f];

@@ -36,7 +36,7 @@ struct Pass {
   double bytes = 0;  // nodes, contexts and tables, as EncodedField::bytes
 };
 // Codes everything at a price (squared error per bit); previews are scaled up to the size of the whole.
-Pass encode_pass(const std::vector<FieldJob>& jobs, double price, bool preview, Progress* progress);
+Pass encode_pass(const std::vector<FieldJob>& jobs, double price, bool preview, Progress& progress);
 
 // Contexts of every level from the symbols of a pass.
 void train_contexts(std::vector<FieldJob>& jobs, const Pass& pass);

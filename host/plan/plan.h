@@ -36,7 +36,7 @@ struct Profile {
   int frames_per_second = 60;
 };
 // A built-in name or the path of a profile file (TOML). Throws InputError.
-Profile load_profile(const std::string& name_or_path);
+Profile load_profile(const std::string& name_or_path, const std::string& source = "--profile");
 
 struct PlannedField {
   AxisMask axes = 0;

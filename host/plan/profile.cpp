@@ -110,12 +110,12 @@ Profile read_profile(const std::string& path) {
 
 }  // namespace
 
-Profile load_profile(const std::string& name_or_path) {
+Profile load_profile(const std::string& name_or_path, const std::string& source) {
   for (const Profile& profile : built_in_profiles())
     if (profile.name == name_or_path) return profile;
   std::error_code error;
   if (!std::filesystem::is_regular_file(name_or_path, error))
-    throw InputError(name_or_path, "no such profile", "use one of " + built_in_names() + ", or the path of a profile file");
+    throw InputError(source, "there is no profile \"" + name_or_path + "\"", "use one of " + built_in_names() + ", or the path of a profile file");
   return read_profile(name_or_path);
 }
 

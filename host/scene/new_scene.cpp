@@ -40,6 +40,7 @@ resolution = [640, 480]               # of the rendered pictures, width and heig
 samples_per_pixel = 32                # more: less noise, longer nights; reflections get 3 times, glass 12 times as many
 max_radiance = 0                      # bound of one path's indirect light, against fireflies; 0: none
 exposure = 1.0                        # factor between radiance and the screen
+# camera = "NAME"                     # a camera of the model, by name; used where no axis orbits (without it: the first)
 
 [[axis]]                              # the first dial: walk around the model
 name = "view"                         # its name on the command line: --at view=0.5

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 #include "host/base/error.h"
 #include "host/scene/files.h"
@@ -23,10 +24,15 @@ constexpr double kFar = 1e9;
 constexpr double kBright = 1e9;
 constexpr double kManyTurns = 36000;  // degrees
 
+bool is_model(const fs::path& file) { return file.extension() == ".glb" || file.extension() == ".gltf"; }
+
 fs::path toml_file_of(const fs::path& scene) {
   std::error_code error;
   if (!fs::exists(scene, error)) throw InputError(shown(scene), "there is no such scene", "make one with: vitrine new DIR");
-  if (!fs::is_directory(scene, error)) return scene;
+  if (!fs::is_directory(scene, error)) {
+    if (is_model(scene)) throw InputError(shown(scene), "this is a model, not a scene", "make a scene of it with: vitrine new DIR --from " + shown(scene));
+    return scene;
+  }
   if (!fs::exists(scene / "scene.toml", error))
     throw InputError(shown(scene), "the folder holds no scene.toml", "make a scene with: vitrine new DIR");
   return scene / "scene.toml";
@@ -194,6 +200,13 @@ void check_grid(const TomlView& view, const SceneDescription& scene) {
               fmt::format("reduce samples until their product is {} at most", kMostGridSamples));
 }
 
+void check_objects(const TomlView& view, const SceneDescription& scene) {
+  std::set<std::string> nodes;
+  for (const ObjectDescription& object : scene.objects)
+    if (!nodes.insert(object.node).second)
+      view.fail("two [[object]] entries are for node " + in_quotes(object.node), "make them one");
+}
+
 }  // namespace
 
 SceneDescription read_scene_description(const fs::path& path) {
@@ -226,6 +239,7 @@ SceneDescription read_scene_description(const fs::path& path) {
     read_target(*target, scene.folder, settings);
   }
   check_grid(view, scene);
+  check_objects(view, scene);
   return scene;
 }
 

@@ -16,7 +16,7 @@ std::optional<StorageText> parse_storage(std::string text) {
   std::string unit(rest, end);
   if (unit == ":1") {
     storage.unit = StorageUnit::kRatio;
-    return storage;
+    return storage.amount >= 1 ? std::optional(storage) : std::nullopt;
   }
   constexpr char kPerBlock[] = "/block";
   if (unit.ends_with(kPerBlock)) {

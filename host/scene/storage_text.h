@@ -10,7 +10,7 @@ namespace vitrine {
 
 enum class StorageUnit { kRatio, kBytesPerBlock, kBytes };
 struct StorageText {
-  double amount = 0;  // > 0; of kRatio: raw bytes over image bytes
+  double amount = 0;  // > 0; of kRatio: raw bytes over image bytes, >= 1
   StorageUnit unit = StorageUnit::kBytes;
 };
 

@@ -31,6 +31,7 @@ struct Rendering {
   const trace::RayCounts& counts;
   Frame& frame;
   std::vector<std::vector<FilmRecord>>& records;
+  Progress& progress;
 };
 
 void render_pixel(const Rendering& r, int x, int y, trace::PixelSums& sums) {
@@ -54,6 +55,7 @@ void render_tile(const Rendering& r, int tile) {
       r.frame.combined[static_cast<size_t>(y) * static_cast<size_t>(r.options.width) + static_cast<size_t>(x)] = sums.mean();
       if (r.options.layers) sums.append_records(x, y, r.records[static_cast<size_t>(tile)]);
     }
+    r.progress.advance(0);
   }
 }
 
@@ -62,7 +64,7 @@ void render_tile(const Rendering& r, int tile) {
 Tracer::Tracer(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
 Tracer::~Tracer() = default;
 
-Frame Tracer::render(const Position& position, const TraceOptions& options, Progress* progress) {
+Frame Tracer::render(const Position& position, const TraceOptions& options, Progress& progress) {
   trace::World& world = impl_->world;
   world.pose(position);
   const trace::Lights lights(world);
@@ -79,11 +81,13 @@ Frame Tracer::render(const Position& position, const TraceOptions& options, Prog
   const trace::Integrator integrator(world, lights, settings);
   const trace::RayCounts counts(integrator, camera, options.width, options.height, options.samples_per_pixel,
                                 options.specular_factor);
-  const Rendering rendering{options, impl_->filter, camera, integrator, counts, frame, records};
+  const Rendering rendering{options, impl_->filter, camera, integrator, counts, frame, records, progress};
+  progress.begin("trace", tiles, 0, "tiles");
   tbb::parallel_for(0, tiles, [&](int tile) {
     render_tile(rendering, tile);
-    if (progress) progress->advance(1);
+    progress.advance(1);
   });
+  progress.end();
   if (options.layers) frame.objects = trace::objects_from_records(records, static_cast<int>(scene.objects.size()));
   return frame;
 }

@@ -29,8 +29,9 @@ class Tracer {
   // Keeps a reference to `scene`. Builds acceleration structures per object once; posing moves instances.
   explicit Tracer(const Scene& scene);
   ~Tracer();
-  // Renders the scene at `position`, tiles in parallel on TBB's current arena. `progress` advances by tiles when given.
-  Frame render(const Position& position, const TraceOptions& options, Progress* progress = nullptr);
+  // Renders the scene at `position`, tiles in parallel on TBB's current arena: one stage of `progress`, which is asked for an
+  // interruption after every row of a tile. Throws what it throws.
+  Frame render(const Position& position, const TraceOptions& options, Progress& progress = silent_progress());
 
  private:
   struct Impl;

@@ -34,12 +34,12 @@ Reference::Reference(const Scene& scene, const Store& store, Tracer& tracer, con
   for (auto& sum : sum_) sum.assign(static_cast<size_t>(scene.settings.width) * scene.settings.height, glm::vec3(0));
 }
 
-void Reference::add(int half, int paths, uint32_t seed) {
+void Reference::add(int half, int paths, uint32_t seed, Progress& progress) {
   const TraceOptions options{scene_.settings.width, scene_.settings.height, paths, seed, true};
   const StoreKey key = frame_key(scene_key_, scene_, position_, options);
   auto frame = store_.load_frame(key, scene_);
   if (!frame) {
-    store_.save_frame(key, scene_, tracer_.render(position_, options));
+    store_.save_frame(key, scene_, tracer_.render(position_, options, progress));
     frame = store_.load_frame(key, scene_);  // what a later run will see: rounded to half
   }
   if (!frame) throw InputError("work folder", "a reference could not be stored", "check that it is writable and has room");
@@ -48,9 +48,9 @@ void Reference::add(int half, int paths, uint32_t seed) {
     for (const ObjectFrame& object : frame->objects) pixels_[object.object] = covered_pixels(object, frame->width);
 }
 
-void Reference::refine() {
+void Reference::refine(Progress& progress) {
   const int paths = paths_ == 0 ? kFirstPaths / 2 : paths_ / 2;
-  for (int half = 0; half < 2; ++half) add(half, paths, kFirstSeed + 2 * round_ + half);
+  for (int half = 0; half < 2; ++half) add(half, paths, kFirstSeed + 2 * round_ + half, progress);
   paths_ += 2 * paths;
   ++round_;
 }

@@ -16,7 +16,8 @@ class Reference {
   // Nothing is traced yet. All arguments must outlive this.
   Reference(const Scene& scene, const Store& store, Tracer& tracer, const Position& position);
   // Doubles the number of paths (the first call traces kFirstPaths in all). Frames come from the store where they are.
-  void refine();
+  // Asks `progress` for an interruption while it traces.
+  void refine(Progress& progress);
 
   int paths_per_pixel() const { return paths_; }
   Picture picture() const;
@@ -28,7 +29,7 @@ class Reference {
   static constexpr int kFirstPaths = 128;
 
  private:
-  void add(int half, int paths, uint32_t seed);
+  void add(int half, int paths, uint32_t seed, Progress& progress);
 
   const Scene& scene_;
   const Store& store_;

@@ -127,8 +127,9 @@ Verification verify_image(const ImageView& image, const Scene& scene, const Stor
   for (Comparison& comparison : result.comparisons) {
     comparison.played = player.play(comparison.position);
     Reference reference(scene, store, tracer, comparison.position);
+    PartOfStep part(progress);
     do {
-      reference.refine();
+      reference.refine(part);
       comparison.truth = reference.picture();
       comparison.squared_error = mean_squared_error(comparison.played, comparison.truth);
       comparison.noise = reference.noise();

@@ -1,13 +1,12 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 //
-// The subcommands of vitrine: each adds itself to the command line and runs as a callback. A mistake of the user is thrown
-// as InputError; main prints it.
+// The subcommands of vitrine: what each is told, and its run(). What the options mean stands where they are read, in
+// command_line.cpp. run() throws InputError for a mistake in what it is given, UsageError for one in the options.
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <string>
-
-#include <CLI/CLI.hpp>
 
 #include "host/base/progress.h"
 
@@ -20,16 +19,43 @@ struct CommonOptions {
   int jobs = 0;  // 0: all cores
 };
 
-void add_common_options(CLI::App& command, CommonOptions& options);
+struct NewCommand {
+  std::string directory, model;
+  CommonOptions common;
+  void run() const;
+};
+
+struct RenderCommand {
+  std::string scene, at, size, output;
+  int samples_per_pixel = 0;  // 0: the scene's
+  uint32_t seed = 0;
+  bool layers = false;
+  CommonOptions common;
+  void run() const;
+};
+
+struct CompileCommand {
+  std::string scene, image, preset = "full", profile, storage, codec = "dct", work;
+  CommonOptions common;
+  void run() const;
+};
+
+struct InspectCommand {
+  std::string image, report;
+  CommonOptions common;
+  void run() const;
+};
+
+struct VerifyCommand {
+  std::string image, scene, work, sheet;
+  int at = 3, between = 2, off = 2;  // references of each kind
+  CommonOptions common;
+  void run() const;
+};
+
 // Progress as the options ask: silent, a terminal line, or plain lines, always on stderr.
 std::unique_ptr<Progress> make_progress(const CommonOptions& options);
 // Limits all stages to `jobs` threads for the life of the returned object.
 std::shared_ptr<void> limit_jobs(const CommonOptions& options);
-
-void add_new_command(CLI::App& app);
-void add_render_command(CLI::App& app);
-void add_compile_command(CLI::App& app);
-void add_inspect_command(CLI::App& app);
-void add_verify_command(CLI::App& app);
 
 }  // namespace vitrine

@@ -23,16 +23,10 @@ class QuietProgress final : public Progress {
 
 }  // namespace
 
-void add_common_options(CLI::App& command, CommonOptions& options) {
-  command.add_flag("--quiet", options.quiet, "No progress");
-  command.add_flag("--json", options.json, "One JSON object on standard output and nothing else there");
-  command.add_option("--jobs", options.jobs, "Threads (default: all cores); the result does not depend on it")->check(CLI::Range(1, 1024));
-}
-
-std::unique_ptr<Progress> make_progress(const CommonOptions& options) { 
+std::unique_ptr<Progress> make_progress(const CommonOptions& options) {
   if (options.quiet) return std::make_unique<QuietProgress>();
   return std::make_unique<TerminalProgress>(stderr, can_redraw(stderr));
- }
+}
 
 std::shared_ptr<void> limit_jobs(const CommonOptions& options) {
   if (options.jobs <= 0) return nullptr;

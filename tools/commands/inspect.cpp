@@ -6,6 +6,7 @@
 #include "formats/image.h"
 #include "hal/storage.h"
 #include "host/base/error.h"
+#include "host/base/output_file.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/inspect_report.h"
 
@@ -73,29 +74,18 @@ void print_text(const nlohmann::json& report) {
 
 }  // namespace
 
-void add_inspect_command(CLI::App& app) {
-  struct Options {
-    std::string image, report;
-    CommonOptions common;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("inspect", "Print what an image holds");
-  command->add_option("IMAGE", options->image, "Image (.vit)")->required();
-  command->add_option("--report", options->report, "Also write an HTML page: bytes by object, layer and level");
-  add_common_options(*command, options->common);
-  command->footer("Example: vitrine inspect lamp.vit --json");
-  command->callback([options] {
-    auto file = hal::MappedFile::open(options->image.c_str());
-    if (!file.ok()) throw InputError(options->image, file.status().detail(), "name an image that vitrine compile wrote");
-    const auto image = ImageView::open(file.value().bytes());
-    if (!image.ok()) throw InputError(options->image, image.status().detail(), "compile it again");
-    const nlohmann::json report = image_json(image.value());
-    if (!options->report.empty()) write_inspect_report(options->report, options->image, image.value(), report);
-    if (options->common.json)
-      fmt::print("{}\n", report.dump());
-    else
-      print_text(report);
-  });
+void InspectCommand::run() const {
+  if (!report.empty()) check_output_file(report);
+  auto file = hal::MappedFile::open(image.c_str());
+  if (!file.ok()) throw InputError(image, file.status().detail(), "name an image that vitrine compile wrote");
+  const auto opened = ImageView::open(file.value().bytes());
+  if (!opened.ok()) throw InputError(image, opened.status().detail(), "compile it again");
+  const nlohmann::json contents = image_json(opened.value());
+  if (!report.empty()) write_inspect_report(report, image, opened.value(), contents);
+  if (common.json)
+    fmt::print("{}\n", contents.dump());
+  else
+    print_text(contents);
 }
 
 }  // namespace vitrine

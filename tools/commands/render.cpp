@@ -5,6 +5,7 @@
 
 #include "hal/storage.h"
 #include "host/base/error.h"
+#include "host/base/output_file.h"
 #include "host/compile/compile.h"
 #include "host/frames/store.h"
 #include "host/trace/tracer.h"
@@ -13,17 +14,10 @@
 #include "tools/commands/commands.h"
 #include "tools/commands/scene_input.h"
 #include "tools/png.h"
+#include "tools/usage_error.h"
 
 namespace vitrine {
 namespace {
-
-struct Options {
-  std::string scene, at, size, output;
-  int samples_per_pixel = 0;
-  uint32_t seed = 0;
-  bool layers = false;
-  CommonOptions common;
-};
 
 bool ends_with(const std::string& text, const char* suffix) {
   const std::string s = suffix;
@@ -56,53 +50,39 @@ void write_layers(const std::string& file, const Scene& scene, const Frame& fram
   if (!status.ok()) throw InputError(file, status.detail(), "check that the folder exists and has room");
 }
 
-void run(const Options& options) {
-  if (!ends_with(options.output, ".exr") && !ends_with(options.output, ".png"))
-    throw InputError(options.output, "its ending says no format", "end it in .exr (linear) or .png (sRGB)");
-  if (options.layers && !ends_with(options.output, ".exr")) throw InputError(options.output, "a PNG holds no layers", "write an .exr, or leave --layers out");
-  const auto jobs = limit_jobs(options.common);
-  const auto progress = make_progress(options.common);
-  const auto scene = load_scene_with(options.scene, options.common, [&](Scene& s) {
-    apply_size(s, options.size);
-    if (options.samples_per_pixel > 0) s.settings.samples_per_pixel = options.samples_per_pixel;
-  });
-  std::vector<std::string> names;
-  for (const Axis& axis : scene->axes) names.push_back(axis.name);
-  Position position;
-  try {
-    position = parse_position(options.at, names, scene->space());
-  } catch (const PositionError& error) {
-    throw CLI::ValidationError("--at", error.what());
-  }
-
-  TraceOptions trace = trace_options(*scene);
-  trace.seed = options.seed;
-  trace.layers = options.layers;
-  Tracer tracer(*scene);
-  const Frame frame = tracer.render(position, trace, progress.get());
-  if (ends_with(options.output, ".exr"))
-    write_layers(options.output, *scene, frame);
-  else
-    write_picture(options.output, frame, scene->settings.exposure);
-  if (options.common.json)
-    fmt::print("{}\n", nlohmann::json{{"output", options.output}, {"width", frame.width}, {"height", frame.height}, {"samples_per_pixel", trace.samples_per_pixel}}.dump());
-}
-
 }  // namespace
 
-void add_render_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("render", "Path-trace one picture of a scene");
-  command->add_option("SCENE", options->scene, "Folder with scene.toml, or a .toml file")->required();
-  command->add_option("--at", options->at, "Where: AXIS=POSITION in [0,1] or AXIS=#SAMPLE, separated by commas (default: 0 everywhere)");
-  command->add_option("--spp", options->samples_per_pixel, "Paths per pixel instead of the scene's")->check(CLI::Range(1, 1 << 20));
-  command->add_option("--size", options->size, "WIDTHxHEIGHT instead of the scene's");
-  command->add_option("--seed", options->seed, "Another seed gives independent noise");
-  command->add_flag("--layers", options->layers, "Also write each object's diffuse, specular and coverage (.exr)");
-  command->add_option("-o,--output", options->output, "Picture to write: .exr (linear) or .png (sRGB)")->required();
-  add_common_options(*command, options->common);
-  command->footer("Example: vitrine render shop --at view=0.5,lamp=#2 --spp 64 -o look.png");
-  command->callback([options] { run(*options); });
+void RenderCommand::run() const {
+  if (!ends_with(output, ".exr") && !ends_with(output, ".png"))
+    throw InputError(output, "its ending says no format", "end it in .exr (linear) or .png (sRGB)");
+  if (layers && !ends_with(output, ".exr")) throw InputError(output, "a PNG holds no layers", "write an .exr, or leave --layers out");
+  check_output_file(output);
+  const auto jobs = limit_jobs(common);
+  const auto progress = make_progress(common);
+  const auto loaded = load_scene_with(scene, common, [&](Scene& s) {
+    apply_size(s, size);
+    if (samples_per_pixel > 0) s.settings.samples_per_pixel = samples_per_pixel;
+  });
+  std::vector<std::string> names;
+  for (const Axis& axis : loaded->axes) names.push_back(axis.name);
+  Position position;
+  try {
+    position = parse_position(at, names, loaded->space());
+  } catch (const PositionError& error) {
+    throw UsageError(std::string("--at: ") + error.what());
+  }
+
+  TraceOptions trace = trace_options(*loaded);
+  trace.seed = seed;
+  trace.layers = layers;
+  Tracer tracer(*loaded);
+  const Frame frame = tracer.render(position, trace, *progress);
+  if (ends_with(output, ".exr"))
+    write_layers(output, *loaded, frame);
+  else
+    write_picture(output, frame, loaded->settings.exposure);
+  if (common.json)
+    fmt::print("{}\n", nlohmann::json{{"output", output}, {"width", frame.width}, {"height", frame.height}, {"samples_per_pixel", trace.samples_per_pixel}}.dump());
 }
 
 }  // namespace vitrine

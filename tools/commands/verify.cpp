@@ -8,6 +8,7 @@
 #include "hal/backends.h"
 #include "hal/storage.h"
 #include "host/base/error.h"
+#include "host/base/output_file.h"
 #include "host/compile/compile.h"
 #include "host/compile/preset.h"
 #include "host/verify/verify.h"
@@ -17,12 +18,6 @@
 
 namespace vitrine {
 namespace {
-
-struct Options {
-  std::string image, scene, work, sheet;
-  VerifyOptions verify;
-  CommonOptions common;
-};
 
 // Comparisons of one kind, taken together.
 struct Summary {
@@ -121,41 +116,37 @@ void check_objects(const ImageView& image, const Scene& scene, const std::string
       throw InputError(name, "it shows \"" + object->name()->str() + "\", which " + scene.file.string() + " does not have", "name the scene that it was compiled from");
 }
 
-void run(const Options& options) {
-  const auto jobs = limit_jobs(options.common);
-  const auto progress = make_progress(options.common);
-  auto file = hal::MappedFile::open(options.image.c_str());
-  if (!file.ok()) throw InputError(options.image, file.status().detail(), "name an image that vitrine compile wrote");
-  const auto image = ImageView::open(file.value().bytes());
-  if (!image.ok()) throw InputError(options.image, image.status().detail(), "compile it again");
-  const auto scene = load_scene_with(options.scene, options.common, [&](Scene& s) { apply_grid(s, grid_of(image.value()), options.image); });
-  check_objects(image.value(), *scene, options.image);
-
-  const Store store(options.work.empty() ? default_work_folder(options.image) : std::filesystem::path(options.work));
-  const auto inference = find_inference(*scene, store, static_cast<int>(image.value().directory().supersampling()), *progress);
-  const Verification verification = verify_image(image.value(), *scene, store, inference ? &*inference : nullptr, options.verify, *progress);
-  if (!options.sheet.empty()) write_contact_sheet(options.sheet, verification.comparisons);
-  if (options.common.json)
-    fmt::print("{}\n", report_json(verification, inference.has_value()).dump());
-  else
-    print_text(verification, inference.has_value());
+// A figure is about the image only while its references are much cleaner than it.
+void warn_of_noise(const Verification& verification) {
+  constexpr double kMarginDb = 6;
+  for (const Comparison& comparison : verification.comparisons)
+    if (psnr_db(comparison.noise) < psnr_db(comparison.squared_error) + kMarginDb)
+      fmt::print(stderr, "vitrine: warning: a reference of \"{}\" kept noise of {:.2f} dB after {} paths per pixel, less than {} dB below the error: the image may be better than its figure\n",
+                 comparison.kind, psnr_db(comparison.noise), comparison.paths_per_pixel, kMarginDb);
 }
 
 }  // namespace
 
-void add_verify_command(CLI::App& app) {
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("verify", "Play an image beside fresh ground truth and print PSNR");
-  command->add_option("IMAGE", options->image, "Image (.vit)")->required();
-  command->add_option("--scene", options->scene, "The scene it was compiled from")->required();
-  command->add_option("--work", options->work, "Work folder of the compile (default: IMAGE.work); keeps references, and tells what inference alone gave");
-  command->add_option("--sheet", options->sheet, "Write a contact sheet (PNG): truth, playback, difference times 8");
-  command->add_option("--at", options->verify.at, "References at grid samples")->capture_default_str()->check(CLI::Range(1, 1000));
-  command->add_option("--between", options->verify.between, "References half-way between samples of one axis")->capture_default_str()->check(CLI::Range(0, 1000));
-  command->add_option("--off", options->verify.off, "References off the samples of all axes")->capture_default_str()->check(CLI::Range(0, 1000));
-  add_common_options(*command, options->common);
-  command->footer("Example: vitrine verify lamp.vit --scene shop --json");
-  command->callback([options] { run(*options); });
+void VerifyCommand::run() const {
+  if (!sheet.empty()) check_output_file(sheet);
+  const auto jobs = limit_jobs(common);
+  const auto progress = make_progress(common);
+  auto file = hal::MappedFile::open(image.c_str());
+  if (!file.ok()) throw InputError(image, file.status().detail(), "name an image that vitrine compile wrote");
+  const auto opened = ImageView::open(file.value().bytes());
+  if (!opened.ok()) throw InputError(image, opened.status().detail(), "compile it again");
+  const auto loaded = load_scene_with(scene, common, [&](Scene& s) { apply_grid(s, grid_of(opened.value()), image); });
+  check_objects(opened.value(), *loaded, image);
+
+  const Store store(work.empty() ? default_work_folder(image) : std::filesystem::path(work));
+  const auto inference = find_inference(*loaded, store, static_cast<int>(opened.value().directory().supersampling()), *progress);
+  const Verification verification = verify_image(opened.value(), *loaded, store, inference ? &*inference : nullptr, {.at = at, .between = between, .off = off}, *progress);
+  if (!common.quiet) warn_of_noise(verification);
+  if (!sheet.empty()) write_contact_sheet(sheet, verification.comparisons);
+  if (common.json)
+    fmt::print("{}\n", report_json(verification, inference.has_value()).dump());
+  else
+    print_text(verification, inference.has_value());
 }
 
 }  // namespace vitrine

@@ -1,0 +1,122 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// All subcommands in one file: CLI11 takes a compiler longer to read than all of them together.
+#include "tools/commands/command_line.h"
+
+#include <CLI/CLI.hpp>
+
+#include "tools/commands/commands.h"
+#include "tools/usage_error.h"
+
+namespace vitrine {
+namespace {
+
+const CLI::Validator kNotEmpty([](const std::string& text) { return std::string(text.empty() ? "is empty" : ""); }, "");
+
+void add_common_options(CLI::App& command, CommonOptions& options) {
+  command.add_flag("--quiet", options.quiet, "No progress");
+  command.add_flag("--json", options.json, "One JSON object on standard output and nothing else there");
+  command.add_option("--jobs", options.jobs, "Threads (default: all cores); the result does not depend on it")->check(CLI::Range(1, 1024));
+}
+
+void add_new(CLI::App& app, NewCommand& options) {
+  CLI::App* command = app.add_subcommand("new", "Write a scene folder to start from; it compiles at once");
+  command->add_option("DIR", options.directory, "Folder to create")->required()->check(kNotEmpty);
+  command->add_option("--from", options.model, "Model to start from (.glb or .gltf); without it a small model is written")->check(kNotEmpty);
+  add_common_options(*command, options.common);
+  command->footer("Example: vitrine new shop --from lamp.glb");
+}
+
+void add_render(CLI::App& app, RenderCommand& options) {
+  CLI::App* command = app.add_subcommand("render", "Path-trace one picture of a scene");
+  command->add_option("SCENE", options.scene, "Folder with scene.toml, or a .toml file")->required()->check(kNotEmpty);
+  command->add_option("--at", options.at, "Where: AXIS=POSITION in [0,1] or AXIS=#SAMPLE, separated by commas (default: 0 everywhere)")->check(kNotEmpty);
+  command->add_option("--spp", options.samples_per_pixel, "Paths per pixel instead of the scene's")->check(CLI::Range(1, 1 << 20));
+  command->add_option("--size", options.size, "WIDTHxHEIGHT instead of the scene's")->check(kNotEmpty);
+  command->add_option("--seed", options.seed, "Another seed gives independent noise");
+  command->add_flag("--layers", options.layers, "Also write each object's diffuse, specular and coverage (.exr)");
+  command->add_option("-o,--output", options.output, "Picture to write: .exr (linear) or .png (sRGB)")->required()->check(kNotEmpty);
+  add_common_options(*command, options.common);
+  command->footer("Example: vitrine render shop --at view=0.5,lamp=#2 --spp 64 -o look.png");
+}
+
+void add_compile(CLI::App& app, CompileCommand& options) {
+  CLI::App* command = app.add_subcommand("compile", "Trace, infer, encode and link a scene into an image");
+  command->add_option("SCENE", options.scene, "Folder with scene.toml, or a .toml file")->required()->check(kNotEmpty);
+  command->add_option("-o,--output", options.image, "Image to write (.vit)")->required()->check(kNotEmpty);
+  command->add_option("--preset", options.preset, "tiny (a look), small (a demo), full (as the scene says)")->capture_default_str()->check(CLI::IsMember({"tiny", "small", "full"}));
+  command->add_option("--profile", options.profile, "Target profile instead of the scene's: a built-in name or a file")->check(kNotEmpty);
+  command->add_option("--storage", options.storage, "Storage instead of the scene's: \"100:1\", \"150 KB/block\", \"12 MB\"")->check(kNotEmpty);
+  command->add_option("--codec", options.codec, "Node coder")->capture_default_str()->check(CLI::IsMember({"dct"}));
+  command->add_option("--work", options.work, "Folder for frames and textures; keep it to resume and recompile quickly (default: IMAGE.work)")->check(kNotEmpty);
+  add_common_options(*command, options.common);
+  command->footer("Example: vitrine compile shop -o lamp.vit --preset small");
+}
+
+void add_inspect(CLI::App& app, InspectCommand& options) {
+  CLI::App* command = app.add_subcommand("inspect", "Print what an image holds");
+  command->add_option("IMAGE", options.image, "Image (.vit)")->required()->check(kNotEmpty);
+  command->add_option("--report", options.report, "Also write an HTML page: bytes by object, layer and level")->check(kNotEmpty);
+  add_common_options(*command, options.common);
+  command->footer("Example: vitrine inspect lamp.vit --json");
+}
+
+void add_verify(CLI::App& app, VerifyCommand& options) {
+  CLI::App* command = app.add_subcommand("verify", "Play an image beside fresh ground truth and print PSNR");
+  command->add_option("IMAGE", options.image, "Image (.vit)")->required()->check(kNotEmpty);
+  command->add_option("--scene", options.scene, "The scene it was compiled from")->required()->check(kNotEmpty);
+  command->add_option("--work", options.work, "Work folder of the compile (default: IMAGE.work); keeps references, and tells what inference alone gave")->check(kNotEmpty);
+  command->add_option("--sheet", options.sheet, "Write a contact sheet (PNG): truth, playback, difference times 8")->check(kNotEmpty);
+  command->add_option("--at", options.at, "References at grid samples")->capture_default_str()->check(CLI::Range(1, 1000));
+  command->add_option("--between", options.between, "References half-way between samples of one axis")->capture_default_str()->check(CLI::Range(0, 1000));
+  command->add_option("--off", options.off, "References off the samples of all axes")->capture_default_str()->check(CLI::Range(0, 1000));
+  add_common_options(*command, options.common);
+  command->footer("Example: vitrine verify lamp.vit --scene shop --json");
+}
+
+std::string name_of_command(const CLI::App& app) {
+  const std::vector<CLI::App*> commands = app.get_subcommands();
+  return commands.empty() ? "vitrine" : "vitrine " + commands.front()->get_name();
+}
+
+struct Commands {
+  NewCommand create;
+  RenderCommand render;
+  CompileCommand compile;
+  InspectCommand inspect;
+  VerifyCommand verify;
+};
+
+std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
+  if (app.got_subcommand("new")) return [command = commands.create] { command.run(); };
+  if (app.got_subcommand("render")) return [command = commands.render] { command.run(); };
+  if (app.got_subcommand("compile")) return [command = commands.compile] { command.run(); };
+  if (app.got_subcommand("inspect")) return [command = commands.inspect] { command.run(); };
+  return [command = commands.verify] { command.run(); };
+}
+
+}  // namespace
+
+std::function<void()> parse_command_line(int argc, char** argv) {
+  CLI::App app{"Vitrine compiles a scene with dials into an image that a small engine plays."};
+  app.set_version_flag("--version", "vitrine " VITRINE_VERSION);
+  app.require_subcommand(1);
+  app.footer("Example: vitrine new shop --from lamp.glb && vitrine compile shop -o lamp.vit --preset small && vitrine-play lamp.vit");
+  Commands commands;
+  add_new(app, commands.create);
+  add_render(app, commands.render);
+  add_compile(app, commands.compile);
+  add_inspect(app, commands.inspect);
+  add_verify(app, commands.verify);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::Success& asked) {
+    app.exit(asked);
+    return {};
+  } catch (const CLI::ParseError& error) {
+    throw UsageError(std::string(error.what()) + ": see " + name_of_command(app) + " --help");
+  }
+  return chosen(app, commands);
+}
+
+}  // namespace vitrine
