@@ -9,6 +9,7 @@
 
 #include "host/scene/geometry.h"
 #include "host/scene/gltf_accessors.h"
+#include "host/scene/thin_solids.h"
 
 namespace vitrine {
 namespace {
@@ -16,14 +17,29 @@ namespace {
 // Charged as memory, so that meshes of very many tiny parts end in an error and not in hours of work.
 constexpr uint64_t kPrimitiveCharge = 65536, kMappingCharge = 256;
 
-enum : int64_t { kTriangles = 4, kTriangleStrip = 5, kTriangleFan = 6 };
+enum : int64_t { kPoints = 0, kLines = 1, kLineLoop = 2, kLineStrip = 3, kTriangles = 4, kTriangleStrip = 5, kTriangleFan = 6 };
 
-// The triangles' corners in a list of `n` (glTF 2.0, section 3.7.2.1); corners left over make no triangle.
+// Vertices of a part of the primitive: a point, a line or a triangle.
+uint32_t corners_per_part(int64_t mode) { return mode == kPoints ? 1 : mode < kTriangles ? 2 : 3; }
+
+// How many triangles `n` listed vertices make at most.
+size_t most_triangles(int64_t mode, size_t n) {
+  if (mode == kPoints) return n * kTrianglesOfPoint;
+  if (mode < kTriangles) return (mode == kLines ? n / 2 : n) * kTrianglesOfRod;
+  return mode == kTriangles ? n / 3 : n;
+}
+
+// The parts' corners in a list of `n` (glTF 2.0, section 3.7.2.1); corners left over make no part.
 std::vector<uint32_t> corners_of_mode(int64_t mode, uint32_t n) {
   std::vector<uint32_t> corners;
-  if (mode == kTriangles) {
-    corners.resize(n / 3 * 3);
+  if (mode == kPoints || mode == kLines || mode == kTriangles) {
+    corners.resize(n / corners_per_part(mode) * corners_per_part(mode));
     for (uint32_t i = 0; i < corners.size(); ++i) corners[i] = i;
+    return corners;
+  }
+  if (mode < kTriangles) {
+    for (uint32_t i = 0; i + 1 < n; ++i) corners.insert(corners.end(), {i, i + 1});
+    if (mode == kLineLoop && n > 1) corners.insert(corners.end(), {n - 1, 0});
     return corners;
   }
   for (uint32_t i = 0; i + 2 < n; ++i) {
@@ -192,11 +208,11 @@ void GltfMeshes::charge(size_t vertices, size_t triangles, const JsonView& place
 std::vector<uint32_t> GltfMeshes::read_corners(const JsonView& place, size_t vertices, int64_t mode) {
   const auto reference = place.find("indices");
   if (!reference) {
-    charge(0, vertices / (mode == kTriangles ? 3 : 1), place);
+    charge(0, most_triangles(mode, vertices), place);
     return corners_of_mode(mode, static_cast<uint32_t>(vertices));
   }
   const Accessor indices = open_indices(document_, *reference);
-  charge(0, indices.size() / (mode == kTriangles ? 3 : 1), place);
+  charge(0, most_triangles(mode, indices.size()), place);
   std::vector<uint32_t> corners = corners_of_mode(mode, static_cast<uint32_t>(indices.size()));
   if (mode == kTriangles && corners.size() != indices.size())
     document_.warn(
@@ -231,15 +247,11 @@ std::vector<int> GltfMeshes::materials_of(const JsonView& place) {
 
 void GltfMeshes::read_primitive(const JsonView& place, const std::vector<float>& weights, const MeshInstance& instance,
                                 Object& object) {
-  const int64_t mode = place.integer_or("mode", kTriangles, 0, kTriangleFan);
+  const int64_t mode = place.integer_or("mode", kTriangles, kPoints, kTriangleFan);
   const JsonView attributes = place.at("attributes");
   const auto position = attributes.find("POSITION");
   document_.charge(kPrimitiveCharge, place);
-  if (mode < kTriangles || !position) {
-    document_.warn(place.where() +
-                   (position ? " has points or lines, which are not shown" : " has no positions and is not shown"));
-    return;
-  }
+  if (!position) return document_.warn(place.where() + " has no positions and is not shown");
   const size_t vertices = open_accessor(document_, *position, 3, 3).size();
   Geometry g;
   g.indices = read_corners(place, vertices, mode);
@@ -250,6 +262,8 @@ void GltfMeshes::read_primitive(const JsonView& place, const std::vector<float>&
   apply_morphs(document_, place, weights, vertices, used, g);
   if (!instance.joints.empty()) apply_skin(document_, attributes, instance.joints, vertices, used, g);
   check_finite(place, g);
+  if (mode == kPoints) make_octahedra(g);
+  if (mode > kPoints && mode < kTriangles) make_rods(g);
   drop_degenerate_triangles(g);
   if (g.indices.empty()) return;
   if (g.normals.empty()) {
@@ -294,7 +308,7 @@ bool GltfMeshes::read(const MeshInstance& instance, Object& object) {
   const bool same = std::all_of(object.variant_materials.begin(), object.variant_materials.end(),
                                 [&](const std::vector<int>& m) { return m == object.geometry.triangle_materials; });
   if (same) object.variant_materials.clear();
-  if (object.geometry.indices.empty()) document_.warn(mesh.where() + " has no triangles and is not shown");
+  if (object.geometry.indices.empty()) document_.warn(mesh.where() + " has nothing to show");
   return !object.geometry.indices.empty();
 }
 

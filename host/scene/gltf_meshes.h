@@ -1,6 +1,6 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 //
-// Meshes (glTF 2.0, section 3.7): primitives of a mesh become the triangles of one object. Vertices that no triangle uses
+// Meshes (glTF 2.0, section 3.7): primitives of a mesh become the triangles of one object, points and lines as thin solids. Vertices that no part uses
 // are left out, strips and fans are cut into triangles, triangles without area are dropped, morph targets and skins are
 // applied in their rest state.
 #pragma once

@@ -103,7 +103,7 @@ TOMLS = {
     "representation-unknown": 'scene = "good.glb"\n' + AXIS + '[[object]]\nnode = "t"\nrepresentation = "hologram"\n',
     "profile-missing": 'scene = "good.glb"\n' + AXIS + '[target]\nprofile = "toaster"\n', "storage-nonsense": 'scene = "good.glb"\n' + AXIS + '[target]\nstorage = "a lot"\n',
     "environment-missing": 'scene = "good.glb"\nenvironment = "gone.exr"\n' + AXIS, "environment-nan": 'scene = "good.glb"\nenvironment = [nan, 0, 0]\n' + AXIS,
-    "model-outside": 'scene = "../../../../../../etc/passwd"\n',
+    "object-twice": 'scene = "good.glb"\n' + AXIS + '[[object]]\nnode = "t"\n' * 2, "model-outside": 'scene = "../../../../../../etc/passwd"\n',
 }
 
 with tempfile.TemporaryDirectory() as folder:

@@ -53,24 +53,37 @@ TEST(Gltf, StripsAndFansShowTheSameSquareAsTriangles) {
     EXPECT_GT(glm::cross(fan[t + 1] - fan[t], fan[t + 2] - fan[t]).z, 0) << "a fan's triangle is turned over";
 }
 
-TEST(Gltf, PointsAndLinesAreLeftOutWithAWarning) {
-  Model m = Model::triangle();
-  m.json["meshes"][0]["primitives"].push_back(m.primitive());
-  m.json["meshes"][0]["primitives"][1]["mode"] = 1;
-  const GltfModel model = read(m);
-  EXPECT_EQ(model.objects[0].geometry.indices.size(), 3u);
-  ASSERT_EQ(model.warnings.size(), 1u);
-  EXPECT_NE(model.warnings[0].find("meshes[0].primitives[1] has points or lines"), std::string::npos);
+// The volume inside a closed surface; positive where counter-clockwise is outside.
+double volume(const Object& object) {
+  const std::vector<glm::vec3> c = corners(object);
+  double sum = 0;
+  for (size_t t = 0; t + 2 < c.size(); t += 3) sum += glm::dot(glm::dvec3(c[t]), glm::cross(glm::dvec3(c[t + 1]), glm::dvec3(c[t + 2]))) / 6;
+  return sum;
 }
 
-TEST(Gltf, MeshWithoutTrianglesIsSkippedAndTheRestIsShown) {
+TEST(Gltf, LinesAreShownAsThinRodsFromEndToEnd) {
+  const double radius = std::sqrt(2.0) / 250;  // the square's diagonal
+  const auto rods = [&](double length) { return 2 * radius * radius * length; };
+  EXPECT_NEAR(volume(read(square(1, {0, 1, 2, 3})).objects[0]), rods(2), 1e-3 * rods(2));
+  EXPECT_NEAR(volume(read(square(3, {0, 1, 3, 2})).objects[0]), rods(3), 1e-3 * rods(3));
+  EXPECT_NEAR(volume(read(square(2, {0, 1, 3, 2})).objects[0]), rods(4), 1e-3 * rods(4));
+  EXPECT_EQ(corners(read(square(1, {0, 1, 2, 2})).objects[0]).size(), 36u) << "a line without length makes nothing";
+}
+
+TEST(Gltf, PointsAreShownAsSmallOctahedra) {
+  const double radius = std::sqrt(2.0) / 100;
+  EXPECT_NEAR(volume(read(square(0, {0, 1, 2, 3})).objects[0]), 4 * 4.0 / 3 * radius * radius * radius, 1e-8);
+  EXPECT_GT(volume(read(square(0, {2})).objects[0]), 0) << "a lone point has no size to go by, and is seen";
+}
+
+TEST(Gltf, MeshWithNothingToShowIsSkippedAndTheRestIsShown) {
   Model m = Model::triangle();
-  m.json["meshes"].push_back({{"primitives", {{{"attributes", {{"POSITION", 0}}}, {"mode", 0}}}}});
+  m.json["meshes"].push_back({{"primitives", {{{"attributes", {{"POSITION", 0}}}, {"mode", 4}, {"indices", m.add_indices({0, 0, 1})}}}}});
   m.json["nodes"].push_back({{"mesh", 1}});
   m.json["scenes"][0]["nodes"].push_back(1);
   const GltfModel model = read(m);
   EXPECT_EQ(model.objects.size(), 1u);
-  EXPECT_NE(model.warnings.back().find("meshes[1] has no triangles"), std::string::npos);
+  EXPECT_NE(model.warnings.back().find("meshes[1] has nothing to show"), std::string::npos);
 }
 
 TEST(Gltf, DegenerateTrianglesAreDroppedAndUnusedVerticesToo) {

@@ -22,7 +22,7 @@ TEST(Storage, AmountsAreReadAsWritten) {
 }
 
 TEST(Storage, WhatIsNoAmountIsRefused) {
-  for (const char* text : {"", "12", "MB", "-5 MB", "0:1", "nan MB", "inf:1", "1e5 B", "1.2.3 MB", "5 GB", "100:2", "12 MB/blocks", "12 /block"})
+  for (const char* text : {"", "12", "MB", "-5 MB", "0:1", "0.5:1", "nan MB", "inf:1", "1e5 B", "1.2.3 MB", "5 GB", "100:2", "12 MB/blocks", "12 /block"})
     EXPECT_FALSE(parse_storage(text)) << text;
   std::string endless(100, '9');
   endless += " B";
