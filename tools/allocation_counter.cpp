@@ -56,6 +56,20 @@ class UncountedGpu final : public hal::Gpu {
   std::unique_ptr<hal::Gpu> gpu_;
 };
 
+}  // namespace
+
+int64_t allocations_counted() { return counted; }
+CountAllocations::CountAllocations() { counting = true; }
+CountAllocations::~CountAllocations() { counting = false; }
+std::unique_ptr<hal::Gpu> uncounted(std::unique_ptr<hal::Gpu> gpu) { return std::make_unique<UncountedGpu>(std::move(gpu)); }
+
+}  // namespace vitrine
+
+// The array, sized and nothrow forms of the standard library all come down to these. Sanitizers bring their own, which do not.
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+namespace vitrine {
+namespace {
+
 void* allocate(size_t bytes) {
   counted += counting;
   return std::malloc(bytes ? bytes : 1);
@@ -68,15 +82,8 @@ void* allocate_aligned(size_t bytes, std::align_val_t alignment) {
 }
 
 }  // namespace
-
-int64_t allocations_counted() { return counted; }
-CountAllocations::CountAllocations() { counting = true; }
-CountAllocations::~CountAllocations() { counting = false; }
-std::unique_ptr<hal::Gpu> uncounted(std::unique_ptr<hal::Gpu> gpu) { return std::make_unique<UncountedGpu>(std::move(gpu)); }
-
 }  // namespace vitrine
 
-// The array, sized and nothrow forms of the standard library all come down to these.
 void* operator new(size_t bytes) {
   if (void* memory = vitrine::allocate(bytes)) return memory;
   throw std::bad_alloc();
@@ -89,3 +96,4 @@ void operator delete(void* memory) noexcept { std::free(memory); }
 void operator delete(void* memory, size_t) noexcept { std::free(memory); }
 void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
 void operator delete(void* memory, size_t, std::align_val_t) noexcept { std::free(memory); }
+#endif

@@ -261,7 +261,7 @@ void Player::print_table() const {
   fmt::print("allocations   {}\n", allocations_counted());
   fmt::print("units         {} of {} at most, {:.0f} in the mean\n", stats.units_max, plan.units_budget(), mean);
   fmt::print("upload bytes  {} of {} at most\n", stats.upload_bytes_max, plan.upload_worst());
-  fmt::print("cache bytes   {}\n", stats.cache_bytes);
+  fmt::print("cache bytes   {} of {} at most\n", stats.cache_bytes, plan.cache_bytes());
   fmt::print("frame ms      p50 {:.2f}  p99 {:.2f}  max {:.2f}  ({})\n", times_->percentile_ms(0.5), times_->percentile_ms(0.99),
              times_->max_ms(), gpu_->info().renderer);
 }

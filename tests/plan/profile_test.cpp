@@ -50,7 +50,7 @@ TEST(Profile, AnUnknownNameIsAnsweredWithTheKnownOnes) {
     load_profile("kiosk-61");
     FAIL();
   } catch (const InputError& error) {
-    EXPECT_NE(std::string(error.what()).find("kiosk-61: no such profile"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("there is no profile \"kiosk-61\""), std::string::npos);
     EXPECT_NE(std::string(error.what()).find("desktop-120"), std::string::npos);
   }
 }

@@ -19,7 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 const fs::path kAssets = fs::path(VITRINE_EXTRA_ASSETS) / "assets";
-constexpr double kLongest = 5;  // seconds
 
 std::vector<fs::path> files_below(const fs::path& folder, const std::vector<std::string>& extensions) {
   std::vector<fs::path> files;
@@ -45,7 +44,7 @@ std::string outcome(const fs::path& file, Read read) {
     EXPECT_EQ(error.find('\n'), std::string::npos) << error;
     EXPECT_LT(error.size(), 1000u) << error;
   }
-  EXPECT_LT(timer.seconds(), kLongest) << file;
+  EXPECT_LT(timer.seconds(), test::kHangSeconds) << file;
   return error;
 }
 

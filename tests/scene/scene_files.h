@@ -109,6 +109,9 @@ inline std::unique_ptr<const Scene> load(const Folder& folder, const Model& mode
   return load_scene(folder.path());
 }
 
+// What a hostile file may cost before it counts as a hang: seconds of processor time, ample under sanitizers.
+inline constexpr double kHangSeconds = 60;
+
 // Processor time of this process: does not count the neighbours on a loaded machine.
 class CpuTimer {
  public:
