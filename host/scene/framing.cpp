@@ -13,7 +13,12 @@
 namespace vitrine {
 namespace {
 
-constexpr int kDomeColumns = 48, kDomeRows = 24;
+// Fine where it shows the environment, whose coordinates bend between its corners; one colour needs no more than a hull.
+struct DomeGrid {
+  int columns, rows;
+};
+DomeGrid dome_grid(const Scene& scene) { return scene.background_is_environment ? DomeGrid{48, 24} : DomeGrid{8, 4}; }
+
 constexpr float kDepthRatio = 10000;    // far / near: what a 24-bit depth buffer bears
 constexpr int64_t kMostPoses = 256;     // of which the motion is judged
 constexpr double kMostDistances = 5e7;  // triangles times poses that are measured
@@ -152,7 +157,8 @@ int add_fitted_camera(Scene& scene, const Sphere& bounds) {
 void fit_depth(Scene& scene) {
   const DepthRange range = measure(scene);
   const float reach = range.farthest > 0 ? range.farthest : 1.0f;  // nothing to see but the backdrop
-  const float dome = 1.05f * reach / dome_inner_radius(kDomeColumns, kDomeRows);
+  const DomeGrid grid = dome_grid(scene);
+  const float dome = 1.05f * reach / dome_inner_radius(grid.columns, grid.rows);
   scene.camera.far_distance = dome / 0.98f;
   const float nearest = std::min(range.nearest, reach);
   scene.camera.near_distance = std::max(depth_share(scene) * nearest, scene.camera.far_distance / kDepthRatio);
@@ -167,7 +173,8 @@ void add_backdrop(Scene& scene) {
   object.name = "background";
   object.follows_camera = true;
   object.node = static_cast<int>(scene.nodes.size());
-  object.geometry = make_dome(0.98f * scene.camera.far_distance, kDomeColumns, kDomeRows);
+  const DomeGrid grid = dome_grid(scene);
+  object.geometry = make_dome(0.98f * scene.camera.far_distance, grid.columns, grid.rows);
   object.geometry.triangle_materials.assign(object.geometry.indices.size() / 3, static_cast<int>(scene.materials.size()));
   scene.nodes.emplace_back();
   scene.materials.push_back(material);

@@ -47,8 +47,12 @@ void expect_depth_holds(const Scene& scene) {
       }
     }
     if (scene.background_object >= 0) {
-      const glm::vec3& p = scene.objects.back().geometry.positions[100];
-      ASSERT_GT(glm::length(p) * dome_inner_radius(48, 24), farthest) << "the dome cuts through the scene";
+      const Geometry& dome = scene.objects.back().geometry;
+      for (size_t t = 0; t + 2 < dome.indices.size(); t += 3) {
+        const glm::vec3 a = dome.positions[dome.indices[t]], b = dome.positions[dome.indices[t + 1]], c = dome.positions[dome.indices[t + 2]];
+        const float plane = std::abs(glm::dot(glm::normalize(glm::cross(b - a, c - a)), a));
+        ASSERT_GT(plane, farthest) << "the dome cuts through the scene";
+      }
     }
   }
 }
