@@ -31,6 +31,7 @@ bool set_in_environment(const char* name) {
 }
 
 void check_combination(const PlayOptions& options) {
+  if (options.backend == Backend::kNull && !options.out.empty()) throw UsageError("--out: the null backend draws nothing to write: leave one of them out");
   if (options.still() && (!options.script.empty() || options.frames))
     throw UsageError("--out FILE.png is one still: with --script or --frames give a folder");
   if (const std::string ending = std::filesystem::path(options.out).extension(); !options.still() && !ending.empty())

@@ -14,6 +14,7 @@
 
 #include "hal/backends.h"
 #include "tools/allocation_counter.h"
+#include "tools/bus_error.h"
 #include "tools/png.h"
 
 namespace vitrine {
@@ -70,6 +71,7 @@ Player::Player(const PlayOptions& options) : options_(options), backend_(backend
 }
 
 void Player::open_image() {
+  explain_bus_errors("vitrine-play", options_.image);
   file_ = take(hal::MappedFile::open(options_.image.c_str()), options_.image);
   image_ = take(ImageView::open(file_.bytes()), options_.image);
 }

@@ -10,13 +10,14 @@
 #include "host/base/interrupt.h"
 #include "host/base/progress.h"
 #include "tools/commands/command_line.h"
+#include "tools/one_line.h"
 #include "tools/standard_output.h"
 #include "tools/usage_error.h"
 
 namespace {
 
 int fail(const std::string& message, int code) {
-  std::fprintf(stderr, "vitrine: %s\n", message.c_str());
+  std::fprintf(stderr, "%s\n", vitrine::one_line("vitrine: " + message).c_str());
   return code;
 }
 

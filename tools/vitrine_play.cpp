@@ -1,12 +1,12 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 //
 // vitrine-play: plays an image.
-#include <fmt/format.h>
-
 #include <csignal>
 #include <cstdio>
 #include <exception>
+#include <string>
 
+#include "tools/one_line.h"
 #include "tools/player.h"
 #include "tools/standard_output.h"
 
@@ -23,7 +23,7 @@ void handle_signals() {
 }
 
 int report(const std::exception& error, int code) {
-  fmt::print(stderr, "vitrine-play: {}\n", error.what());
+  std::fprintf(stderr, "%s\n", vitrine::one_line(std::string("vitrine-play: ") + error.what()).c_str());
   return code;
 }
 
@@ -31,7 +31,7 @@ int report(const std::exception& error, int code) {
 
 int main(int argc, char** argv) try {
   const auto options = vitrine::parse_options(argc, argv);
-  if (!options) return 0;
+  if (!options) return vitrine::finish_standard_output(), 0;
   handle_signals();
   vitrine::Player player(*options);
   player.play();

@@ -86,6 +86,25 @@ mode_t usual_mode(const char* path) {
   return 0666 & ~mask;
 }
 
+// Where a symbolic link leads, whether or not anything is there yet; other paths as they are.
+std::string resolved(std::string path) {
+  char target[4096];
+  for (int links = 0; links < 16; ++links) {
+    const ssize_t size = ::readlink(path.c_str(), target, sizeof target);
+    if (size <= 0 || size == sizeof target) break;
+    const size_t slash = path.rfind('/');
+    const bool relative = target[0] != '/' && slash != std::string::npos;
+    path = (relative ? path.substr(0, slash + 1) : "") + std::string(target, static_cast<size_t>(size));
+  }
+  return path;
+}
+
+// Renaming over it would put a file in the place of a device or a pipe.
+bool is_something_else(const char* path) {
+  struct stat existing {};
+  return ::stat(path, &existing) == 0 && !S_ISREG(existing.st_mode);
+}
+
 }  // namespace
 
 MappedFile::MappedFile(MappedFile&& other) noexcept
@@ -117,8 +136,11 @@ Result<MappedFile> MappedFile::open(const char* path) {
   return file;
 }
 
-Status write_file_atomically(const char* path, std::span<const std::byte> bytes) {
-  std::string beside = std::string(path) + ".XXXXXX";
+Status write_file_atomically(const char* name, std::span<const std::byte> bytes) {
+  if (is_something_else(name)) return io("it is not a regular file");
+  const std::string target = resolved(name);
+  const char* path = target.c_str();
+  std::string beside = target + ".XXXXXX";
   Descriptor fd(::mkostemp(beside.data(), O_CLOEXEC));
   if (fd.get() < 0) return io(why_not_written());
   const bool written =

@@ -2,6 +2,8 @@
 #include <SDL.h>
 
 #include <algorithm>
+#include <cstdlib>
+#include <string_view>
 
 #include "hal/backends.h"
 #include "hal/gl/gl_gpu.h"
@@ -80,6 +82,12 @@ Result<Window> create_sdl_window(const WindowDesc& desc) {
     return Status{StatusCode::kUnsupported, "the picture is larger than the device allows"};
   SDL_SetHint(SDL_HINT_NO_SIGNAL_HANDLERS, "1");  // the program handles its own
   if (SDL_InitSubSystem(kSubsystems) != 0) return Status{StatusCode::kDevice, "SDL finds no display"};
+  // Without a display SDL falls back to drivers that show nothing; a test asks for one by name.
+  const std::string_view driver = SDL_GetCurrentVideoDriver();
+  if ((driver == "offscreen" || driver == "dummy") && !std::getenv("SDL_VIDEODRIVER")) {
+    SDL_QuitSubSystem(kSubsystems);
+    return Status{StatusCode::kDevice, "SDL finds no display"};
+  }
   auto session = std::make_shared<SdlSession>();
   const bool opened = std::any_of(std::begin(kVersions), std::end(kVersions),
                                   [&](const GlVersion& version) { return open_window(*session, desc, version); });

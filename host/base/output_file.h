@@ -7,7 +7,7 @@
 
 namespace vitrine {
 
-// Throws InputError when `file` is a folder or its own folder does not exist.
+// Throws InputError when `file` is there but no regular file, or its folder does not exist or may not be written to.
 void check_output_file(const std::filesystem::path& file);
 
 }  // namespace vitrine

@@ -11,7 +11,7 @@ namespace vitrine {
 // Thrown by Progress::advance once Ctrl-C was pressed: stages unwind, leaving their stores consistent; the same command
 // goes on later. tools/ ends with exit code 130.
 struct Interrupted : std::runtime_error {
-  Interrupted() : std::runtime_error("interrupted; the same command resumes") {}
+  Interrupted() : std::runtime_error("interrupted: run the same command again") {}
 };
 
 class Progress {

@@ -95,17 +95,22 @@ void TerminalProgress::show(double now, bool last) {
 void TerminalProgress::write_line(const std::string& line, bool last) {
   if (redraw_) {
     const std::string padding(shown_width_ > line.size() ? shown_width_ - line.size() : 0, ' ');
-    fmt::print(out_, "\r{}{}{}", line, padding, last ? "\n" : "");
+    write(fmt::format("\r{}{}{}", line, padding, last ? "\n" : ""));
     shown_width_ = last ? 0 : line.size();
   } else {
-    fmt::print(out_, "{}\n", line);
+    write(line + '\n');
   }
+}
+
+// A terminal that went away or a full disk under the log is no reason to lose a night's work: failures are not even looked at.
+void TerminalProgress::write(const std::string& text) {
+  std::fwrite(text.data(), 1, text.size(), out_);
   std::fflush(out_);
 }
 
 // A stage that was left without end(), by an error or Ctrl-C: the cursor goes to a fresh line.
 void TerminalProgress::finish() {
-  if (active_ && redraw_) fmt::print(out_, "\n");
+  if (active_ && redraw_) write("\n");
   shown_width_ = 0;
   active_ = false;
 }

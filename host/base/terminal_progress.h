@@ -32,6 +32,7 @@ class TerminalProgress final : public Progress {
   bool is_due(double now) const;
   void write_line(const std::string& line, bool last);
   void finish();
+  void write(const std::string& text);
 
   std::FILE* out_;
   bool redraw_;

@@ -118,6 +118,7 @@ BuiltImage build_image(const Scene& scene, const Inference& inference, const Sto
   input.width = scene.settings.width;
   input.height = scene.settings.height;
   input.supersampling = profile.supersampling;
+  input.frames_key = frames_key(frame_keys(scene));
   input.inference = &inference;
   input.encoded = &encoded;
   input.plan = make_plan(scene.space(), speeds, planned, scene.settings.interpolate, profile);
@@ -171,6 +172,12 @@ std::vector<StoreKey> frame_keys(const Scene& scene) {
   for (int64_t i = 0; i < space.sample_count(); ++i)
     keys.push_back(frame_key(base, scene, space.position_of(space.index_from_flat(i)), trace_options(scene)));
   return keys;
+}
+
+uint64_t frames_key(const std::vector<StoreKey>& keys) {
+  KeyBuilder all;
+  for (const StoreKey& key : keys) all.text(key.hex());
+  return all.finish().low;
 }
 
 InferenceOptions inference_options(const Scene& scene, int supersampling) {

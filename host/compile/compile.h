@@ -39,6 +39,8 @@ CompileReport compile_scene(const Scene& scene, const CompileOptions& options, P
 // The parts that verification shares.
 TraceOptions trace_options(const Scene& scene);
 std::vector<StoreKey> frame_keys(const Scene& scene);
+// One number for all frames; images carry it.
+uint64_t frames_key(const std::vector<StoreKey>& keys);
 InferenceOptions inference_options(const Scene& scene, int supersampling);
 
 // The inferred textures of a scene that was compiled with this store, or nothing where the store lacks its frames.

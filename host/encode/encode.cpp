@@ -137,9 +137,9 @@ std::vector<EncodedField> encode_to_target(std::vector<FieldJob>& jobs, double t
     price = std::max(floor, search.next(price, pass.bytes));
   }
   if (!best) {
-    throw InputError("fields",
-                     "their node tables alone take " + std::to_string(static_cast<int64_t>(tables)) + " bytes of the " +
-                         std::to_string(static_cast<int64_t>(target)) + " asked for",
+    throw InputError("storage",
+                     "it leaves " + std::to_string(static_cast<int64_t>(target)) + " bytes for textures, but their tables of nodes alone take " +
+                         std::to_string(static_cast<int64_t>(tables)),
                      "ask for more storage, or for fewer samples");
   }
   return std::move(*best);

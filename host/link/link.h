@@ -19,6 +19,7 @@ struct LinkInput {
   const Inference* inference = nullptr;
   const std::vector<EncodedField>* encoded = nullptr;  // parallel to inference->fields
   Plan plan;
+  uint64_t frames_key = 0;  // of what the frames depend on
 };
 
 // The bytes of the image: deterministic, and ImageView::open accepts them.

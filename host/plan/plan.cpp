@@ -25,15 +25,12 @@ uint64_t composed_bytes(int width, int height) {
   }
 }
 
-// Fields of one object are composed into one texture, which is uploaded when any of them changes.
-uint64_t worst_upload(const ParameterSpace& space, const std::vector<PlannedField>& fields) {
-  AxisMask changing = 0;
-  for (int a = 0; a < space.axis_count; ++a)
-    if (space.axes[a].samples > 1) changing |= AxisMask{1} << a;
+// Fields of one object are composed into one texture, which is uploaded when any of them changes; in the first frame all are,
+// also those that never change again.
+uint64_t worst_upload(const std::vector<PlannedField>& fields) {
   std::vector<int> counted;
   uint64_t bytes = 0;
   for (const PlannedField& field : fields) {
-    if ((field.axes & changing) == 0) continue;
     if (field.object >= 0 && std::find(counted.begin(), counted.end(), field.object) != counted.end()) continue;
     counted.push_back(field.object);
     bytes += composed_bytes(field.width, field.height);
@@ -91,7 +88,7 @@ Plan make_plan(const ParameterSpace& space, const std::vector<float>& max_speed,
     if (horizon == kHorizons[0] || plan.units_worst < best.units_worst) best = plan;
     if (sustains(best)) break;
   }
-  best.upload_worst = worst_upload(space, fields);
+  best.upload_worst = worst_upload(fields);
   return best;
 }
 

@@ -47,7 +47,7 @@ struct PlannedField {
 
 struct Plan {
   uint64_t units_budget = 0, units_worst = 0;  // per frame: the profile's; what straight motion at greatest speed needs
-  uint64_t upload_worst = 0;                   // bytes per frame: all composed textures that any axis changes
+  uint64_t upload_worst = 0;                   // bytes per frame: every composed texture once, as the first frame uploads them
   uint64_t cache_bytes = 0;     // decoded nodes (6 bytes a texel): largest resident set of each texture size, all tops
   uint32_t settle_frames = 0;   // after a jump to the costliest cell, at units_budget
   uint32_t horizon_frames = 0;  // >= 1

@@ -7,6 +7,7 @@
 #include <map>
 #include <numbers>
 
+#include "formats/text.h"
 #include "host/base/error.h"
 #include "host/scene/files.h"
 #include "host/scene/framing.h"
@@ -155,24 +156,10 @@ std::string scene_text(const std::string& model_name, const GltfModel& model) {
                      60.0f, offers(model));
 }
 
-}  // namespace
-
-std::vector<fs::path> new_scene(const fs::path& directory, const std::optional<fs::path>& model) {
-  require_new(directory);
-  const std::string name = model ? model->filename().string() : "model.glb";
-  const std::string sample = sample_model_glb();
-  const Bytes sample_bytes(sample.begin(), sample.end());
-  const GltfModel read = model ? read_model(*model) : read_sample(sample_bytes);
-  if (read.objects.empty())
-    throw InputError(shown(*model), "there is nothing to see in it", "give a model with triangles in its scene");
-  const std::map<fs::path, Bytes> files = model ? files_of_model(*model) : std::map<fs::path, Bytes>{{name, sample_bytes}};
-  const std::string text = scene_text(name, read);
-
-  std::error_code error;
-  fs::create_directories(directory, error);
-  if (error) throw InputError(shown(directory), "the folder cannot be made", "check the permissions");
+std::vector<fs::path> write_scene(const fs::path& directory, const std::map<fs::path, Bytes>& files, const std::string& text) {
   std::vector<fs::path> written;
   for (const auto& [file, bytes] : files) {
+    std::error_code error;  // of a folder that cannot be made the file tells
     fs::create_directories((directory / file).parent_path(), error);
     write_file(directory / file, bytes.data(), bytes.size());
     written.push_back(directory / file);
@@ -182,6 +169,39 @@ std::vector<fs::path> new_scene(const fs::path& directory, const std::optional<f
   written.push_back(directory / "studio.exr");
   written.push_back(directory / "scene.toml");
   return written;
+}
+
+// As it was before a scene could not be written whole: it was empty, or not there.
+void clear(const fs::path& directory, bool was_there) {
+  std::error_code error;
+  if (!was_there) return void(fs::remove_all(directory, error));
+  for (const auto& entry : fs::directory_iterator(directory, error)) fs::remove_all(entry.path(), error);
+}
+
+}  // namespace
+
+std::vector<fs::path> new_scene(const fs::path& directory, const std::optional<fs::path>& model) {
+  require_new(directory);
+  const std::string name = model ? model->filename().string() : "model.glb";
+  if (!is_plain_text(name)) throw InputError(shown(*model), "its name is not plain UTF-8 text", "rename it");
+  const std::string sample = sample_model_glb();
+  const Bytes sample_bytes(sample.begin(), sample.end());
+  const GltfModel read = model ? read_model(*model) : read_sample(sample_bytes);
+  if (read.objects.empty())
+    throw InputError(shown(*model), "there is nothing to see in it", "give a model with triangles in its scene");
+  const std::map<fs::path, Bytes> files = model ? files_of_model(*model) : std::map<fs::path, Bytes>{{name, sample_bytes}};
+  const std::string text = scene_text(name, read);
+
+  std::error_code error;
+  const bool was_there = fs::exists(directory, error);
+  fs::create_directories(directory, error);
+  if (error) throw InputError(shown(directory), "the folder cannot be made", "check the permissions");
+  try {
+    return write_scene(directory, files, text);
+  } catch (...) {
+    clear(directory, was_there);
+    throw;
+  }
 }
 
 }  // namespace vitrine

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
 # Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 """Kills a compile at many moments, by Ctrl-C and by kill -9, and compiles again: the bytes must be those of an undisturbed
-run, stored frames must not be traced twice, and the number of threads must not matter.
+run, stored frames must not be traced twice, and the number of threads must not matter. What was compiled plays within its plan.
 
 usage: resume.py BIN_DIR"""
 import hashlib, json, os, random, signal, subprocess, sys, tempfile, time
 
-vitrine = os.path.join(sys.argv[1], "vitrine")
+vitrine, play = (os.path.join(sys.argv[1], name) for name in ("vitrine", "vitrine-play"))
 
 
 def digest(path):
@@ -28,6 +28,11 @@ with tempfile.TemporaryDirectory() as folder:
     whole = time.monotonic() - start
     wanted = digest(image)
     assert report["frames_rendered"] == report["frames"], report
+
+    played = subprocess.run([play, image, "--backend", "null", "--frames", "30", "--json"], capture_output=True, text=True, check=True)
+    stats = json.loads(played.stdout)
+    assert stats["units"]["max"] <= stats["units"]["budget"] and stats["upload_bytes"]["max"] <= stats["upload_bytes"]["budget"], f"the plan is not kept: {stats}"
+    assert stats["late_nodes"] == stats["overruns"] == stats["allocations"] == 0, stats
 
     image, report = compile_scene(folder, "one", "--jobs", "1")
     assert report["frames_rendered"] == 0, f"stored frames were traced again: {report}"

@@ -39,10 +39,11 @@ def expect_heard(command, output):
 with tempfile.TemporaryDirectory() as folder:
     scene, picture, image = (os.path.join(folder, name) for name in ("scene", "out.png", "out.vit"))
     subprocess.run([vitrine, "new", scene, "--quiet"], check=True)
+    os.mkfifo(folder + "/pipe.png")
     render, compile_ = [vitrine, "render", scene, "-o", picture], [vitrine, "compile", scene, "-o", image]
 
     expect(2, [vitrine], "subcommand")
-    expect(2, [vitrine, "compose"], "see vitrine --help")
+    expect(2, [vitrine, "compose"], "there is no command \"compose\"")
     expect(2, [vitrine, "compile"], "see vitrine compile --help")
     expect(2, [*compile_, "--preset", "huge"], "see vitrine compile --help")
     expect(2, [*compile_, "--codec", "zip"], "--codec")
@@ -72,10 +73,34 @@ with tempfile.TemporaryDirectory() as folder:
     expect(1, [*render[:-1], folder + "/no/out.png"], "its folder does not exist")
     expect(1, [*render[:-1], folder + "/out.jpg"], ".png")
     expect(1, [vitrine, "verify", image, "--scene", scene, "--sheet", folder + "/no/sheet.png"], "its folder does not exist")
+    expect(1, [vitrine, "render", scene, "-o", folder + "/pipe.png"], "not a regular file")
+    expect(1, [vitrine, "inspect", folder + "/no such\nimage.vit"], "no such?image.vit: no such file")
+    expect(1, ["sh", "-c", f"exec {play} --help > /dev/full"], "standard output")
     expect(1, ["sh", "-c", f"exec {vitrine} new {folder}/other > /dev/full"], "standard output")
 
+    # What is lost is the log, not the work.
+    ran += 1
+    os.symlink("real.png", folder + "/link.png")
+    done = subprocess.run(["sh", "-c", f"exec {vitrine} render {scene} -o {folder}/link.png --size 8x8 --spp 1 2> /dev/full"])
+    if done.returncode != 0 or not os.path.islink(folder + "/link.png") or not os.path.exists(folder + "/real.png"):
+        failures.append("a full disk under the log, or a symbolic link for an output, is not borne")
+    # An image that shrinks under the player.
+    ran += 1
+    subprocess.run([*compile_, "--preset", "tiny", "--quiet"], check=True)
+    process = subprocess.Popen([play, image, "--backend", "null", "--frames", "100000000"], stderr=subprocess.PIPE, text=True)
+    time.sleep(1)
+    os.truncate(image, 0)
+    error = process.communicate(timeout=60)[1]
+    if process.returncode != 1 or "mv" not in error:
+        failures.append(f"an image cut while it plays: exit {process.returncode}: {error}")
+    # The same folder when it could not be filled.
+    ran += 1
+    gone = subprocess.run(["sh", "-c", f"trap '' XFSZ; ulimit -f 4; exec {vitrine} new {folder}/small"], capture_output=True, text=True)
+    if gone.returncode == 0 or os.path.exists(folder + "/small"):
+        failures.append(f"a scene that could not be written stays in part: {gone.returncode} {gone.stderr}")
+
     expect_heard([*render, "--spp", "100000", "--quiet"], picture)
-    expect_heard([*compile_, "--preset", "full", "--quiet"], image)
+    expect_heard([*compile_[:-1], folder + "/heard.vit", "--preset", "full", "--quiet"], folder + "/heard.vit")
 
 for failure in failures:
     print("FAILED", failure)

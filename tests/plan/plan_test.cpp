@@ -69,12 +69,12 @@ TEST(Plan, OneLeafAStepNeedsItsUnitsOverTheFramesThatItHas) {
   EXPECT_EQ(plan.cache_bytes, (1001 + 3) * 6u * 32 * 32);
 }
 
-TEST(Plan, StillSpacesNeedNothing) {
+TEST(Plan, StillSpacesNeedNothingAfterTheFirstFrame) {
   const ParameterSpace space = make_space({});
   const EncodedField field = make_encoded(space, 0, 1, 0, [](int) { return 500u; });
   const Plan plan = make_plan(space, {}, {{0, &field, 8, 8}}, true, test_profile());
   EXPECT_EQ(plan.settle_frames, 0u);
-  EXPECT_EQ(plan.upload_worst, 0u);
+  EXPECT_EQ(plan.upload_worst, 8u * (64 + 16 + 4 + 1)) << "once, in the first frame";
   EXPECT_EQ(plan.cache_bytes, 6u * 64);
   EXPECT_EQ(make_plan(space, {}, {}, true, test_profile()).cache_bytes, 0u);
 }
@@ -87,14 +87,14 @@ TEST(Plan, DiscreteAxesAreNotFetchedAhead) {
   EXPECT_EQ(plan.settle_frames, 3u);                // 15 000 units, 5000 of each frame may go to a tile
 }
 
-TEST(Plan, UploadsCountEachObjectsTextureOnceAndOnlyWhatChanges) {
+TEST(Plan, UploadsCountEachObjectsTextureOnce) {
   const ParameterSpace space = make_space({{AxisKind::kLinear, 4}});
   const EncodedField moving = make_encoded(space, 1, 4, 0, [](int) { return 1u; });
   const EncodedField still = make_encoded(space, 0, 1, 0, [](int) { return 1u; });
   const uint64_t bytes = 8 * (64 + 16 + 4 + 1);  // 8 x 8 with its levels
   const PlannedField a{1, &moving, 8, 8, 0}, b{1, &moving, 8, 8, 0}, c{1, &moving, 8, 8, 1}, d{0, &still, 8, 8, 2};
   EXPECT_EQ(make_plan(space, {0.1f}, {a, b}, true, test_profile()).upload_worst, bytes);
-  EXPECT_EQ(make_plan(space, {0.1f}, {a, b, c, d}, true, test_profile()).upload_worst, 2 * bytes);
+  EXPECT_EQ(make_plan(space, {0.1f}, {a, b, c, d}, true, test_profile()).upload_worst, 3 * bytes);
   EXPECT_EQ(make_plan(space, {0.1f}, {{1, &moving, 8, 8}, {1, &moving, 8, 8}}, true, test_profile()).upload_worst, 2 * bytes);
 }
 

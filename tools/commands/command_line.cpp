@@ -4,6 +4,7 @@
 #include "tools/commands/command_line.h"
 
 #include <CLI/CLI.hpp>
+#include <algorithm>
 
 #include "tools/commands/commands.h"
 #include "tools/usage_error.h"
@@ -79,6 +80,11 @@ std::string name_of_command(const CLI::App& app) {
   return commands.empty() ? "vitrine" : "vitrine " + commands.front()->get_name();
 }
 
+bool has_command(const CLI::App& app, const std::string& name) {
+  const std::vector<const CLI::App*> all = app.get_subcommands([](const CLI::App*) { return true; });
+  return std::any_of(all.begin(), all.end(), [&](const CLI::App* command) { return command->get_name() == name; });
+}
+
 struct Commands {
   NewCommand create;
   RenderCommand render;
@@ -108,6 +114,9 @@ std::function<void()> parse_command_line(int argc, char** argv) {
   add_compile(app, commands.compile);
   add_inspect(app, commands.inspect);
   add_verify(app, commands.verify);
+  // CLI11 would only say that a subcommand is missing.
+  if (argc > 1 && argv[1][0] != '-' && !has_command(app, argv[1]))
+    throw UsageError(std::string("there is no command \"") + argv[1] + "\": use new, render, compile, inspect or verify: see vitrine --help");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {

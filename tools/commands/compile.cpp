@@ -6,6 +6,7 @@
 #include "host/compile/compile.h"
 #include "host/compile/preset.h"
 #include "tools/commands/commands.h"
+#include "tools/commands/print_json.h"
 #include "tools/commands/scene_input.h"
 
 namespace vitrine {
@@ -24,8 +25,8 @@ void CompileCommand::run() const {
     for (const std::string& warning : report.warnings) fmt::print(stderr, "vitrine: warning: {}\n", warning);
   const double ratio = static_cast<double>(report.raw_bytes) / static_cast<double>(report.bytes);
   if (common.json) {
-    fmt::print("{}\n", nlohmann::json{{"image", image}, {"bytes", report.bytes}, {"raw_bytes", report.raw_bytes}, {"ratio", ratio},
-                                      {"frames", report.frames}, {"frames_rendered", report.frames_rendered}, {"seconds", report.seconds}}.dump());
+    print_json({{"image", image}, {"bytes", report.bytes}, {"raw_bytes", report.raw_bytes}, {"ratio", ratio}, {"frames", report.frames},
+                {"frames_rendered", report.frames_rendered}, {"seconds", report.seconds}});
   } else if (!common.quiet) {
     fmt::print("{}: {} bytes, {:.1f}:1, {} frames ({} traced now), {:.1f} s\n", image, report.bytes, ratio, report.frames,
                report.frames_rendered, report.seconds);

@@ -7,7 +7,9 @@
 #include "hal/storage.h"
 #include "host/base/error.h"
 #include "host/base/output_file.h"
+#include "tools/bus_error.h"
 #include "tools/commands/commands.h"
+#include "tools/commands/print_json.h"
 #include "tools/commands/inspect_report.h"
 
 namespace vitrine {
@@ -76,6 +78,7 @@ void print_text(const nlohmann::json& report) {
 
 void InspectCommand::run() const {
   if (!report.empty()) check_output_file(report);
+  explain_bus_errors("vitrine", image);
   auto file = hal::MappedFile::open(image.c_str());
   if (!file.ok()) throw InputError(image, file.status().detail(), "name an image that vitrine compile wrote");
   const auto opened = ImageView::open(file.value().bytes());
@@ -83,7 +86,7 @@ void InspectCommand::run() const {
   const nlohmann::json contents = image_json(opened.value());
   if (!report.empty()) write_inspect_report(report, image, opened.value(), contents);
   if (common.json)
-    fmt::print("{}\n", contents.dump());
+    print_json(contents);
   else
     print_text(contents);
 }

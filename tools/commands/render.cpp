@@ -12,6 +12,7 @@
 #include "host/verify/reference.h"
 #include "tools/axis_position.h"
 #include "tools/commands/commands.h"
+#include "tools/commands/print_json.h"
 #include "tools/commands/scene_input.h"
 #include "tools/png.h"
 #include "tools/usage_error.h"
@@ -82,7 +83,7 @@ void RenderCommand::run() const {
   else
     write_picture(output, frame, loaded->settings.exposure);
   if (common.json)
-    fmt::print("{}\n", nlohmann::json{{"output", output}, {"width", frame.width}, {"height", frame.height}, {"samples_per_pixel", trace.samples_per_pixel}}.dump());
+    print_json({{"output", output}, {"width", frame.width}, {"height", frame.height}, {"samples_per_pixel", trace.samples_per_pixel}});
 }
 
 }  // namespace vitrine

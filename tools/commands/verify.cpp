@@ -12,7 +12,9 @@
 #include "host/compile/compile.h"
 #include "host/compile/preset.h"
 #include "host/verify/verify.h"
+#include "tools/bus_error.h"
 #include "tools/commands/commands.h"
+#include "tools/commands/print_json.h"
 #include "tools/commands/contact_sheet.h"
 #include "tools/commands/scene_input.h"
 
@@ -131,12 +133,15 @@ void VerifyCommand::run() const {
   if (!sheet.empty()) check_output_file(sheet);
   const auto jobs = limit_jobs(common);
   const auto progress = make_progress(common);
+  explain_bus_errors("vitrine", image);
   auto file = hal::MappedFile::open(image.c_str());
   if (!file.ok()) throw InputError(image, file.status().detail(), "name an image that vitrine compile wrote");
   const auto opened = ImageView::open(file.value().bytes());
   if (!opened.ok()) throw InputError(image, opened.status().detail(), "compile it again");
   const auto loaded = load_scene_with(scene, common, [&](Scene& s) { apply_grid(s, grid_of(opened.value()), image); });
   check_objects(opened.value(), *loaded, image);
+  if (const uint64_t key = opened.value().directory().frames_key(); !common.quiet && key != 0 && key != frames_key(frame_keys(*loaded)))
+    fmt::print(stderr, "vitrine: warning: {}: {} has changed since it was compiled: the figures compare it with what the scene shows now\n", image, scene);
 
   const Store store(work.empty() ? default_work_folder(image) : std::filesystem::path(work));
   const auto inference = find_inference(*loaded, store, static_cast<int>(opened.value().directory().supersampling()), *progress);
@@ -144,7 +149,7 @@ void VerifyCommand::run() const {
   if (!common.quiet) warn_of_noise(verification);
   if (!sheet.empty()) write_contact_sheet(sheet, verification.comparisons);
   if (common.json)
-    fmt::print("{}\n", report_json(verification, inference.has_value()).dump());
+    print_json(report_json(verification, inference.has_value()));
   else
     print_text(verification, inference.has_value());
 }
