@@ -19,7 +19,7 @@ constexpr char kVertex[] = "layout(location = 0) in vec3 p; void main() { gl_Pos
 constexpr char kFragment[] =
     "uniform sampler2D t; uniform vec4 params[2]; layout(location = 0) out vec4 c; void main() { c = params[1] * texelFetch(t, "
     "ivec2(0), 0); }";
-constexpr const char* kSampler[] = {"t"};
+constexpr const char* kTextureName[] = {"t"};
 
 class EveryDevice : public ::testing::TestWithParam<bool> {
  protected:
@@ -27,7 +27,7 @@ class EveryDevice : public ::testing::TestWithParam<bool> {
     gpu = GetParam() ? create_null_gpu(8, 8) : std::move(create_osmesa_gpu(8, 8).value());
     texture = gpu->create_texture({4, 2, 2, TextureFormat::kRgba8, TextureFilter::kTrilinear}).value();
     mesh = gpu->create_mesh(good_mesh()).value();
-    program = gpu->create_program({.vertex = kVertex, .fragment = kFragment, .samplers = kSampler, .uniform_count = 2}).value();
+    program = gpu->create_program({.vertex = kVertex, .fragment = kFragment, .samplers = kTextureName, .uniform_count = 2}).value();
     target = gpu->create_target({4, 4, TextureFormat::kRgba8, true}).value();
   }
   MeshDesc good_mesh() const { return {std::as_bytes(std::span(corners)), 12, kPosition, order}; }
@@ -104,7 +104,7 @@ TEST_P(EveryDevice, RefusesIncompletePrograms) {
   const char* const nine[] = {"a", "b", "c", "d", "e", "f", "g", "h", "i"};
   EXPECT_FALSE(gpu->create_program({.vertex = kVertex}).ok());
   EXPECT_FALSE(gpu->create_program({.vertex = kVertex, .fragment = kFragment, .samplers = nine}).ok());
-  EXPECT_FALSE(gpu->create_program({.vertex = kVertex, .fragment = kFragment, .samplers = kSampler, .uniform_count = 65}).ok());
+  EXPECT_FALSE(gpu->create_program({.vertex = kVertex, .fragment = kFragment, .samplers = kTextureName, .uniform_count = 65}).ok());
 }
 
 TEST_P(EveryDevice, RefusesDrawsThatDoNotFitTheirProgramOrMesh) {

@@ -23,10 +23,7 @@ constexpr float kDegree = std::numbers::pi_v<float> / 180;
 
 Position at(float a, float b = 0) { return Position{a, b, 0, 0}; }
 
-void expect_near(const glm::vec3& a, const glm::vec3& b, float tolerance = 1e-5f) {
-  EXPECT_LT(glm::distance(a, b), tolerance) << "(" << a.x << ", " << a.y << ", " << a.z << ") is not (" << b.x << ", " << b.y
-                                            << ", " << b.z << ")";
-}
+using test::expect_near;
 
 void add_animation(Model& m, const char* path, const char* interpolation, const std::vector<float>& times,
                    const std::vector<float>& values, size_t components) {

@@ -126,39 +126,39 @@ TEST(Corpus, BadModelsNeverCrashHangOrFillTheScreen) {
 
 // One triangle per material, out of a buffer of its own.
 template <typename AddNode>
-void add_triangles_for_materials(nlohmann::json& json, size_t materials, AddNode add_node) {
+void add_triangles_for_materials(nlohmann::json& document, size_t materials, AddNode add_node) {
   for (const char* key : {"buffers", "bufferViews", "accessors", "meshes"})
-    if (!json.contains(key) || !json[key].is_array()) json[key] = nlohmann::json::array();
-  json["buffers"].push_back({{"byteLength", 36}, {"uri", "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}});
-  json["bufferViews"].push_back({{"buffer", json["buffers"].size() - 1}, {"byteLength", 36}});
-  json["accessors"].push_back(
-      {{"bufferView", json["bufferViews"].size() - 1}, {"componentType", 5126}, {"count", 3}, {"type", "VEC3"}});
+    if (!document.contains(key) || !document[key].is_array()) document[key] = nlohmann::json::array();
+  document["buffers"].push_back({{"byteLength", 36}, {"uri", "data:;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"}});
+  document["bufferViews"].push_back({{"buffer", document["buffers"].size() - 1}, {"byteLength", 36}});
+  document["accessors"].push_back(
+      {{"bufferView", document["bufferViews"].size() - 1}, {"componentType", 5126}, {"count", 3}, {"type", "VEC3"}});
   for (size_t m = 0; m < materials; ++m) {
-    const nlohmann::json primitive = {{"attributes", {{"POSITION", json["accessors"].size() - 1}}}, {"material", m}};
-    json["meshes"].push_back({{"primitives", {primitive}}});
-    add_node({{"mesh", json["meshes"].size() - 1}});
+    const nlohmann::json primitive = {{"attributes", {{"POSITION", document["accessors"].size() - 1}}}, {"material", m}};
+    document["meshes"].push_back({{"primitives", {primitive}}});
+    add_node({{"mesh", document["meshes"].size() - 1}});
   }
 }
 
 // Adds nodes that use every mesh, skin, camera, light and material of a model: what lies unused is not read otherwise.
-void use_everything(nlohmann::json& json) {
-  const auto list = [&](const char* key) { return json.contains(key) && json[key].is_array() ? json[key].size() : 0; };
+void use_everything(nlohmann::json& document) {
+  const auto list = [&](const char* key) { return document.contains(key) && document[key].is_array() ? document[key].size() : 0; };
   nlohmann::json roots = nlohmann::json::array();
   const auto add_node = [&](nlohmann::json node) {
     roots.push_back(list("nodes"));
-    json["nodes"].push_back(std::move(node));
+    document["nodes"].push_back(std::move(node));
   };
-  if (!json.contains("nodes") || !json["nodes"].is_array()) json["nodes"] = nlohmann::json::array();
+  if (!document.contains("nodes") || !document["nodes"].is_array()) document["nodes"] = nlohmann::json::array();
   for (size_t m = 0; m < list("meshes"); ++m) {
     add_node({{"mesh", m}});
     for (size_t s = 0; s < list("skins"); ++s) add_node({{"mesh", m}, {"skin", s}});
   }
   for (size_t c = 0; c < list("cameras"); ++c) add_node({{"camera", c}});
-  const size_t lights = json.value("/extensions/KHR_lights_punctual/lights"_json_pointer, nlohmann::json::array()).size();
+  const size_t lights = document.value("/extensions/KHR_lights_punctual/lights"_json_pointer, nlohmann::json::array()).size();
   for (size_t l = 0; l < lights; ++l) add_node({{"extensions", {{"KHR_lights_punctual", {{"light", l}}}}}});
-  add_triangles_for_materials(json, list("materials"), add_node);
-  json["scenes"] = {{{"nodes", roots}}};
-  json["scene"] = 0;
+  add_triangles_for_materials(document, list("materials"), add_node);
+  document["scenes"] = {{{"nodes", roots}}};
+  document["scene"] = 0;
 }
 
 TEST(Corpus, BadModelsAllOfWhosePartsAreUsedNeverCrashHangOrFillTheScreen) {
@@ -167,10 +167,10 @@ TEST(Corpus, BadModelsAllOfWhosePartsAreUsedNeverCrashHangOrFillTheScreen) {
   for (const fs::path& file : files_below(kAssets / "gltf" / "bad", {".gltf"})) {
     SCOPED_TRACE(file.string());
     const Bytes bytes = read_file(file, 1 << 20);
-    nlohmann::json json = nlohmann::json::parse(bytes.begin(), bytes.end(), nullptr, false);
-    if (!json.is_object()) continue;
-    use_everything(json);
-    const std::string text = json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    nlohmann::json document = nlohmann::json::parse(bytes.begin(), bytes.end(), nullptr, false);
+    if (!document.is_object()) continue;
+    use_everything(document);
+    const std::string text = document.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
     const Bytes changed(text.begin(), text.end());
     GltfModel model;
     const std::string error = outcome(file, [&] { model = read_gltf({file, {}, {}, {}, &changed}); });

@@ -32,9 +32,7 @@ std::vector<glm::vec3> corners(const Object& object) {
   return points;
 }
 
-void expect_near(const glm::vec3& a, const glm::vec3& b, float tolerance = 1e-5f) {
-  EXPECT_LT(glm::distance(a, b), tolerance) << a.x << ' ' << a.y << ' ' << a.z;
-}
+using test::expect_near;
 
 Model square(int mode, const std::vector<uint16_t>& indices) {
   Model m = Model::triangle();

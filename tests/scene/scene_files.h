@@ -3,6 +3,7 @@
 // Scenes made by hand for the tests: a folder that disappears, a model as JSON and bytes.
 #pragma once
 
+#include <gtest/gtest.h>
 #include <unistd.h>
 
 #include <cstring>
@@ -10,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <glm/geometric.hpp>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <string>
@@ -107,6 +109,10 @@ inline std::unique_ptr<const Scene> load(const Folder& folder, const Model& mode
   folder.write("model.glb", model.glb());
   folder.write("scene.toml", "scene = \"model.glb\"\n" + toml);
   return load_scene(folder.path());
+}
+
+inline void expect_near(const glm::vec3& a, const glm::vec3& b, float tolerance = 1e-5f) {
+  EXPECT_LT(glm::distance(a, b), tolerance) << a.x << ' ' << a.y << ' ' << a.z;
 }
 
 // What a hostile file may cost before it counts as a hang: seconds of processor time, ample under sanitizers.
