@@ -1,38 +1,81 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 #include "host/trace/albedo.h"
 
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <glm/gtc/constants.hpp>
+#include <vector>
+
 #include "host/trace/fresnel.h"
 
 namespace vitrine::trace {
-
 namespace {
 
-constexpr int kStrata = 24;  // per dimension, midpoint rule over the square that visible normals are drawn from
+constexpr int kPoints = 1024;  // of the square that visible normals are drawn from
+constexpr int kSteps = 512;  // of means over the hemisphere
 
-// Mean over visible normals of `weight(wo, h, ggx)`.
-template <typename Weight>
-float integrate(float cosine, float roughness, Weight weight) {
-  const Ggx ggx{std::max(sqr(roughness), kDeltaAlpha)};
-  const glm::vec3 wo(safe_sqrt(1 - cosine * cosine), 0, cosine);
-  double sum = 0;
-  for (int i = 0; i < kStrata; ++i) {
-    for (int j = 0; j < kStrata; ++j) {
-      const glm::vec2 u((i + 0.5f) / kStrata, (j + 0.5f) / kStrata);
-      sum += weight(wo, ggx.sample_visible(wo, u), ggx);
-    }
+// Where visible normals are drawn from: the R2 sequence of Roberts 2018, its first number as a point of the unit circle. Edges
+// where lobes meet the horizon cross the square, and a sequence meets them more evenly than a grid.
+struct Point {
+  glm::vec2 azimuth;
+  float u;
+};
+std::vector<Point> make_points() {
+  std::vector<Point> points;
+  for (int i = 0; i < kPoints; ++i) {
+    const double phi = 2 * glm::pi<double>() * std::fmod((i + 0.5) * 0.7548776662466927, 1.0);
+    points.push_back({glm::vec2(std::cos(phi), std::sin(phi)), static_cast<float>(std::fmod((i + 0.5) * 0.5698402909980532, 1.0))});
   }
-  return static_cast<float>(sum / (kStrata * kStrata));
+  return points;
 }
 
-template <typename Weight>
-AlbedoTable tabulate(Weight weight) {
-  AlbedoTable table;
-  for (int j = 0; j < AlbedoTable::kSize; ++j) {
-    for (int i = 0; i < AlbedoTable::kSize; ++i) {
-      table.at(i, j) = integrate(AlbedoTable::cosine_of(i), AlbedoTable::roughness_of(j), weight);
+// The mean over visible normals of `weight(wo, h, ggx)`.
+template <typename Value, typename Weight>
+Value integrate(float cosine, float roughness, const std::vector<Point>& points, const Weight& weight) {
+  const Ggx ggx{std::max(sqr(roughness), kDeltaAlpha)};
+  const glm::vec3 wo(safe_sqrt(1 - cosine * cosine), 0, cosine);
+  Value sum{};
+  for (const Point& p : points) sum = sum + weight(wo, ggx.visible_normal(wo, p.azimuth, p.u), ggx);
+  return 1.0f / kPoints * sum;
+}
+
+template <typename Value, typename Weight>
+AlbedoTable<Value> tabulate(const Weight& weight) {
+  using Table = AlbedoTable<Value>;
+  Table table;
+  const std::vector<Point> points = make_points();
+  const auto fill_row = [&](int j) {
+    for (int i = 0; i < Table::kColumns; ++i) {
+      table.at(i, j) = integrate<Value>(Table::cosine_of(i), Table::roughness_of(j), points, weight);
     }
-  }
+  };
+  // Isolated: while it waits, this thread must not take up a task that would ask for this very table.
+  tbb::this_task_arena::isolate([&] { tbb::parallel_for(0, Table::kRows, fill_row); });
   return table;
+}
+
+// Per row, the mean over the hemisphere weighted by the cosine, of what lookup() gives: then sums over directions agree.
+template <typename Value>
+std::array<Value, AlbedoTable<Value>::kRows> means_of(const AlbedoTable<Value>& table) {
+  std::array<Value, AlbedoTable<Value>::kRows> means{};
+  for (int j = 0; j < AlbedoTable<Value>::kRows; ++j) {
+    Value sum{};
+    for (int i = 0; i < kSteps; ++i) {
+      const float cosine = (static_cast<float>(i) + 0.5f) / kSteps;
+      sum = sum + 2 * cosine / kSteps * table.lookup(cosine, AlbedoTable<Value>::roughness_of(j));
+    }
+    means[static_cast<size_t>(j)] = sum;
+  }
+  return means;
+}
+
+template <typename Value, size_t kRows>
+Value interpolate(const std::array<Value, kRows>& rows, float roughness) {
+  const float y = std::clamp(roughness, 0.0f, 1.0f) * (kRows - 1);
+  const auto j = std::min(static_cast<size_t>(y), kRows - 2);
+  const float t = y - static_cast<float>(j);
+  return (1 - t) * rows[j] + t * rows[j + 1];
 }
 
 // G2 / G1: what remains of a ray that leaves along wi.
@@ -45,8 +88,9 @@ float white_weight(const glm::vec3& wo, const glm::vec3& h, const Ggx& ggx) {
   return wi.z > 0 ? escape(ggx, wo, wi) : 0;
 }
 
-float edge_weight(const glm::vec3& wo, const glm::vec3& h, const Ggx& ggx) {
-  return white_weight(wo, h, ggx) * schlick_weight(glm::dot(wo, h));
+ReflectionAlbedo reflection_weight(const glm::vec3& wo, const glm::vec3& h, const Ggx& ggx) {
+  const float white = white_weight(wo, h, ggx);
+  return {white, white * schlick_weight(glm::dot(wo, h))};
 }
 
 float glass_weight(const glm::vec3& wo, const glm::vec3& h, const Ggx& ggx, float eta) {
@@ -57,40 +101,25 @@ float glass_weight(const glm::vec3& wo, const glm::vec3& h, const Ggx& ggx, floa
   return sum;
 }
 
-// One lookup of both would save little: tables stay in the first-level cache.
-const AlbedoTable& white_table() {
-  static const AlbedoTable table = tabulate(white_weight);
-  return table;
-}
-
-std::array<float, AlbedoTable::kSize> tabulate_means() {
-  constexpr int kSteps = 256;
-  std::array<float, AlbedoTable::kSize> means{};
-  for (int j = 0; j < AlbedoTable::kSize; ++j) {
-    double sum = 0;
-    for (int i = 0; i < kSteps; ++i) {
-      const float cosine = (static_cast<float>(i) + 0.5f) / kSteps;
-      sum += 2 * cosine * white_table().lookup(cosine, AlbedoTable::roughness_of(j));
-    }
-    means[static_cast<size_t>(j)] = static_cast<float>(sum / kSteps);
-  }
-  return means;
+struct ReflectionTables {
+  AlbedoTable<ReflectionAlbedo> albedo = tabulate<ReflectionAlbedo>(reflection_weight);
+  std::array<ReflectionAlbedo, AlbedoTable<ReflectionAlbedo>::kRows> means = means_of(albedo);
+};
+const ReflectionTables& reflection_tables() {
+  static const ReflectionTables tables;
+  return tables;
 }
 
 }  // namespace
 
-ReflectionAlbedo reflection_albedo(float cosine, float alpha) {
-  if (alpha < kDeltaAlpha) return {1, schlick_weight(cosine)};
-  static const AlbedoTable edge = tabulate(edge_weight);
-  const float roughness = std::sqrt(alpha);
-  return {white_table().lookup(cosine, roughness), edge.lookup(cosine, roughness)};
+ReflectionAlbedo reflection_albedo(float cosine, float roughness) {
+  if (sqr(roughness) < kDeltaAlpha) return {1, schlick_weight(cosine)};
+  return reflection_tables().albedo.lookup(cosine, roughness);
 }
 
-float mean_white_albedo(float alpha) {
-  static const auto means = tabulate_means();
-  const float y = std::sqrt(std::clamp(alpha, 0.0f, 1.0f)) * (AlbedoTable::kSize - 1);
-  const auto j = std::min(static_cast<size_t>(y), static_cast<size_t>(AlbedoTable::kSize - 2));
-  return means[j] + (y - static_cast<float>(j)) * (means[j + 1] - means[j]);
+ReflectionAlbedo mean_reflection_albedo(float roughness) {
+  if (sqr(roughness) < kDeltaAlpha) return {1, 1.0f / 21.0f};  // the integral of 2 c (1 - c)^5
+  return interpolate(reflection_tables().means, roughness);
 }
 
 glm::vec3 multiple_scattering(const glm::vec3& f0, const glm::vec3& f90, float mean_white) {
@@ -98,8 +127,26 @@ glm::vec3 multiple_scattering(const glm::vec3& f0, const glm::vec3& f90, float m
   return fresnel * fresnel * mean_white / (1.0f - fresnel * (1 - mean_white));
 }
 
-GlassAlbedo::GlassAlbedo(float ior)
-    : entering(tabulate([ior](const auto& wo, const auto& h, const Ggx& g) { return glass_weight(wo, h, g, ior); })),
-      leaving(tabulate([ior](const auto& wo, const auto& h, const Ggx& g) { return glass_weight(wo, h, g, 1 / ior); })) {}
+GlassAlbedo::GlassAlbedo(float ior) {
+  for (const bool inside : {false, true}) {
+    const float eta = inside ? 1 / ior : ior;
+    sides_[inside] = tabulate<float>([eta](const auto& wo, const auto& h, const Ggx& g) { return glass_weight(wo, h, g, eta); });
+    missing_[inside] = means_of(sides_[inside]);
+    for (float& mean : missing_[inside]) mean = std::max(1 - mean, 1e-6f);
+  }
+  for (int i = 0; i < kSteps; ++i) {
+    const float cosine = (static_cast<float>(i) + 0.5f) / kSteps;
+    transmittance_[0] += 2 * cosine / kSteps * (1 - fresnel_dielectric(cosine, ior));
+  }
+  transmittance_[1] = transmittance_[0] / sqr(ior);
+}
+
+float GlassAlbedo::mean_missing(float roughness, bool inside) const { return interpolate(missing_[inside], roughness); }
+
+float GlassAlbedo::crossing(float roughness, bool inside) const {
+  const float here = mean_missing(roughness, inside), there = mean_missing(roughness, !inside);
+  // transmittance * index^2 is the same from both sides, so any common factor keeps the tie; this one keeps shares below one.
+  return transmittance_[inside] * there / std::max(here, there);
+}
 
 }  // namespace vitrine::trace

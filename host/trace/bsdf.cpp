@@ -9,7 +9,6 @@ namespace {
 
 constexpr float kCoatF0 = 0.04f;  // index 1.5
 constexpr float kMinCosine = 1e-4f;
-constexpr float kNoLossAlpha = 0.01f;  // narrower lobes lose less than 1 / 1000 by single scattering
 
 // The shading normal, on wo's side and bent just far enough that wo sees its front (else the point would be black).
 glm::vec3 visible_normal(const glm::vec3& shading, const glm::vec3& wo) {
@@ -45,48 +44,76 @@ Bsdf::Bsdf(const SurfaceParameters& parameters, const glm::vec3& wo, const glm::
   solid_ = p_.glass > 0 && !p_.thin;
   inside_ = solid_ && back;
   eta_ = inside_ ? 1 / p_.ior : p_.ior;
+  roughness_ = std::sqrt(p_.alpha);
+  specular_f0_ = p_.dielectric * p_.dielectric_f0 + p_.metal * p_.metal_f0;
+  specular_f90_ = p_.dielectric * p_.dielectric_f90 + glm::vec3(p_.metal);
 
-  const bool reflects = p_.glass > 0 || !is_black(p_.specular_f90) || !is_black(p_.specular_f0);
-  const ReflectionAlbedo albedo = reflects ? reflection_albedo(local_wo_.z, p_.alpha) : ReflectionAlbedo{0, 0};
-  float specular = 0;
-  prepare_specular(albedo, specular);
-  float coat_weight = 0;
-  if (p_.coat > 0) {
-    coat_ = Basis(visible_normal(side * coat, wo));
-    coat_wo_ = coat_.to_local(wo);
-    coat_wo_.z = std::max(coat_wo_.z, kMinCosine);
-    coat_weight = coat_share(coat_wo_.z).x;
-    base_share_ = 1 - coat_weight;
-  }
-  if (p_.glass > 0 && !glass_is_delta()) {
-    const float kept = p_.thin || !p_.glass_albedo ? albedo.white : p_.glass_albedo->lookup(local_wo_.z, p_.alpha, inside_);
-    glass_compensation_ = 1 / std::max(kept, 0.05f);
-  }
-
-  diffuse_weight_ = base_share_ * luminance(p_.diffuse);
-  specular *= base_share_;
+  float coated = 0;
+  if (p_.coat > 0) prepare_coat(side * coat, coated);
+  const bool reflects = p_.glass > 0 || !is_black(specular_f90_) || !is_black(specular_f0_);
+  const ReflectionAlbedo albedo = reflects ? reflection_albedo(local_wo_.z, roughness_) : ReflectionAlbedo{0, 0};
+  prepare_diffuse(albedo);
+  if (p_.glass > 0 && !glass_is_delta()) prepare_glass(albedo);
+  const float specular = base_share_ * prepare_specular(albedo);
   const float glass = base_share_ * p_.glass;
-  specular_weight_ = specular + glass + coat_weight;
+  specular_weight_ = specular + glass + coated;
   if (specular_weight_ > 0) {
     specular_probability_ = specular / specular_weight_;
     glass_probability_ = glass / specular_weight_;
-    coat_probability_ = coat_weight / specular_weight_;
+    coat_probability_ = coated / specular_weight_;
   }
   has_dense_specular_ = (specular > 0 && !reflection_is_delta()) || (glass > 0 && !glass_is_delta()) ||
-                        (coat_weight > 0 && p_.coat_alpha >= kDeltaAlpha);
+                        (coated > 0 && p_.coat_alpha >= kDeltaAlpha);
 }
 
-void Bsdf::prepare_specular(const ReflectionAlbedo& albedo, float& albedo_estimate) {
-  const float single = luminance(albedo.schlick(p_.specular_f0, p_.specular_f90));
-  albedo_estimate = single;
-  if (p_.alpha < kNoLossAlpha || p_.glass >= 1 || !(single > 0)) return;
-  const float share = 1 - p_.glass, mean = mean_white_albedo(p_.alpha);
-  const glm::vec3 returned = share * multiple_scattering(p_.specular_f0 / share, p_.specular_f90 / share, mean);
-  if (max_component(returned) < 0.01f) return;  // dielectrics return next to nothing
+void Bsdf::prepare_coat(const glm::vec3& normal, float& albedo_estimate) {
+  coat_ = Basis(visible_normal(normal, wo_));
+  coat_wo_ = coat_.to_local(wo_);
+  coat_wo_.z = std::max(coat_wo_.z, kMinCosine);
+  albedo_estimate = coat_reflectance(coat_wo_.z);
+  base_share_ = 1 - albedo_estimate;
+}
+
+void Bsdf::prepare_diffuse(const ReflectionAlbedo& albedo) {
+  if (is_black(p_.diffuse)) return;
+  if (p_.coat > 0) {
+    const ReflectionAlbedo mean = mean_reflection_albedo(std::sqrt(p_.coat_alpha));
+    const float kept_in_the_mean = 1 - p_.coat * (kCoatF0 * (mean.white - mean.edge) + mean.edge);
+    p_.diffuse *= kept_in_the_mean;
+    view_factor_ *= base_share_ / kept_in_the_mean;
+  }
+  if (!is_black(p_.dielectric_f90)) {
+    const ReflectionAlbedo mean = mean_reflection_albedo(roughness_);
+    const glm::vec3 kept = 1.0f - albedo.schlick(p_.dielectric_f0, p_.dielectric_f90);
+    const glm::vec3 kept_in_the_mean = 1.0f - mean.schlick(p_.dielectric_f0, p_.dielectric_f90);
+    view_factor_ *= glm::max(kept, glm::vec3(0)) / glm::max(kept_in_the_mean, glm::vec3(1e-4f));
+  }
+  diffuse_weight_ = luminance(p_.diffuse * view_factor_);
+}
+
+float Bsdf::prepare_specular(const ReflectionAlbedo& albedo) {
+  const float single = luminance(albedo.schlick(specular_f0_, specular_f90_));
+  if (reflection_is_delta() || !(p_.metal > 0)) return single;  // what dielectrics lose goes to the diffuse lobe
+  const float mean = mean_reflection_albedo(roughness_).white;
+  const glm::vec3 returned = p_.metal * multiple_scattering(p_.metal_f0, glm::vec3(1), mean);
   multiple_ = returned * ((1 - albedo.white) / std::max(1 - mean, 1e-6f) * kInvPi);
   const float multiple = luminance(returned) * (1 - albedo.white);
-  albedo_estimate = single + multiple;
-  multiple_chance_ = albedo_estimate > 0 ? multiple / albedo_estimate : 0;
+  multiple_chance_ = single + multiple > 0 ? multiple / (single + multiple) : 0;
+  return single + multiple;
+}
+
+void Bsdf::prepare_glass(const ReflectionAlbedo& albedo) {
+  if (p_.thin) {  // air on both sides: what one interface reflects and lets through, in the mean
+    glass_missed_ = 1 - albedo.white;
+    glass_here_ = glass_there_ = std::max(1 - mean_reflection_albedo(roughness_).white, 1e-6f);
+    glass_crossing_ = 1 - (sqr((p_.ior - 1) / (p_.ior + 1)) * 20 + 1) / 21;
+  } else if (p_.glass_albedo) {
+    glass_missed_ = 1 - p_.glass_albedo->lookup(local_wo_.z, roughness_, inside_);
+    glass_here_ = p_.glass_albedo->mean_missing(roughness_, inside_);
+    glass_there_ = p_.glass_albedo->mean_missing(roughness_, !inside_);
+    glass_crossing_ = p_.glass_albedo->crossing(roughness_, inside_);
+  }
+  glass_missed_ = std::max(glass_missed_, 0.0f);
 }
 
 bool Bsdf::glass_is_delta() const {
@@ -94,9 +121,9 @@ bool Bsdf::glass_is_delta() const {
   return p_.alpha < kDeltaAlpha || (!p_.thin && std::fabs(p_.ior - 1) < 1e-3f);
 }
 
-glm::vec3 Bsdf::coat_share(float cosine) const {
-  const ReflectionAlbedo albedo = reflection_albedo(cosine, p_.coat_alpha);
-  return p_.coat * albedo.schlick(glm::vec3(kCoatF0), glm::vec3(1));
+float Bsdf::coat_reflectance(float cosine) const {
+  const ReflectionAlbedo albedo = reflection_albedo(cosine, std::sqrt(p_.coat_alpha));
+  return p_.coat * (kCoatF0 * (albedo.white - albedo.edge) + albedo.edge);
 }
 
 void Bsdf::glass_split(float reflectance, glm::vec3& reflected, glm::vec3& transmitted, float& reflect_probability) const {
@@ -123,10 +150,8 @@ void Bsdf::add_diffuse(const glm::vec3& wi, BsdfValue& value) const {
   if (cosine <= 0) return;
   glm::vec3 kept(1);
   if (!is_black(p_.dielectric_f90)) {
-    const ReflectionAlbedo albedo = reflection_albedo(cosine, p_.alpha);
-    kept -= albedo.schlick(p_.dielectric_f0, p_.dielectric_f90);
+    kept -= reflection_albedo(cosine, roughness_).schlick(p_.dielectric_f0, p_.dielectric_f90);
   }
-  if (p_.coat > 0) kept *= 1.0f - coat_share(std::max(glm::dot(wi, coat_.normal), 0.0f));
   value.diffuse = p_.diffuse * glm::max(kept, glm::vec3(0)) * (cosine * kInvPi);
   value.diffuse_pdf = cosine * kInvPi;
 }
@@ -136,10 +161,10 @@ void Bsdf::add_specular(const glm::vec3& wi, BsdfValue& value) const {
   if (local.z <= 0) return;
   const Reflection r = reflection_of(Ggx{p_.alpha}, local_wo_, local);
   const float edge = schlick_weight(glm::dot(local_wo_, r.half));
-  value.specular += (p_.specular_f0 + edge * (p_.specular_f90 - p_.specular_f0)) * (base_share_ * r.value);
+  value.specular += (specular_f0_ + edge * (specular_f90_ - specular_f0_)) * (base_share_ * r.value);
   float pdf = r.pdf;
   if (multiple_chance_ > 0) {
-    const float missed = 1 - reflection_albedo(local.z, p_.alpha).white;
+    const float missed = 1 - reflection_albedo(local.z, roughness_).white;
     value.specular += multiple_ * (base_share_ * missed * local.z);
     pdf += multiple_chance_ * (local.z * kInvPi - r.pdf);
   }
@@ -159,15 +184,16 @@ void Bsdf::add_glass(const glm::vec3& wi, BsdfValue& value) const {
   const Ggx ggx{p_.alpha};
   glm::vec3 local = base_.to_local(wi), reflected, transmitted;
   float reflect_probability;
-  const float share = p_.glass * base_share_ * glass_compensation_;
+  const float share = p_.glass * base_share_;
   const bool reflection = local.z > 0;
   if (local.z == 0 || reflection != same_side(wi)) return;
+  if (glass_missed_ > 0) add_glass_multiple(local, value);
   if (reflection || p_.thin) {  // a thin wall transmits the mirror image of its reflection lobe
     local.z = std::fabs(local.z);
     const Reflection r = reflection_of(ggx, local_wo_, local);
     glass_split(fresnel_dielectric(glm::dot(local_wo_, r.half), eta_), reflected, transmitted, reflect_probability);
     value.specular += (reflection ? reflected : transmitted) * (share * r.value);
-    value.specular_pdf += glass_probability_ * (reflection ? reflect_probability : 1 - reflect_probability) * r.pdf;
+    value.specular_pdf += glass_probability_ * (1 - glass_missed_) * (reflection ? reflect_probability : 1 - reflect_probability) * r.pdf;
     return;
   }
   // Walter et al. 2007, eqs. 16, 17 and 21, in radiance: divided by the square of the relative index.
@@ -180,7 +206,22 @@ void Bsdf::add_glass(const glm::vec3& wi, BsdfValue& value) const {
   const float d = ggx.density(h) * out * jacobian / local_wo_.z;
   const float lambda_o = ggx.lambda(local_wo_);
   value.specular += transmitted * (share * d / ((1 + lambda_o + ggx.lambda(local)) * eta_ * eta_));
-  value.specular_pdf += glass_probability_ * (1 - reflect_probability) * d / (1 + lambda_o);
+  value.specular_pdf += glass_probability_ * (1 - glass_missed_) * (1 - reflect_probability) * d / (1 + lambda_o);
+}
+
+// Kulla & Conty 2017, p. 20: missed(wo) missed(wi) over the mean of the side that wi is on, in the shares of reflection and
+// crossing; in radiance, as above.
+void Bsdf::add_glass_multiple(const glm::vec3& local, BsdfValue& value) const {
+  const bool reflection = local.z > 0;
+  const float cosine = std::fabs(local.z);
+  const bool arrives_inside = solid_ && inside_ == reflection;
+  const float missed = p_.thin ? 1 - reflection_albedo(cosine, roughness_).white
+                               : 1 - p_.glass_albedo->lookup(cosine, roughness_, arrives_inside);
+  const float share = reflection ? (1 - glass_crossing_) / glass_here_
+                                 : glass_crossing_ / glass_there_ / (p_.thin ? 1.0f : eta_ * eta_);
+  const glm::vec3 tint = !reflection ? p_.glass_tint : inside_ ? glm::vec3(1) : glm::min(p_.glass_reflectance, glm::vec3(1));
+  value.specular += tint * (p_.glass * base_share_ * share * glass_missed_ * std::max(missed, 0.0f) * cosine * kInvPi);
+  value.specular_pdf += glass_probability_ * glass_missed_ * (reflection ? 1 - glass_crossing_ : glass_crossing_) * cosine * kInvPi;
 }
 
 bool Bsdf::sample_diffuse(const glm::vec2& u, BsdfSample& sample) const {
@@ -195,7 +236,7 @@ bool Bsdf::sample_specular(float lobe, const glm::vec2& u, BsdfSample& sample, f
     if (reflection_is_delta()) {
       const float edge = schlick_weight(local_wo_.z);
       sample.wi = base_.to_world({-local_wo_.x, -local_wo_.y, local_wo_.z});
-      sample.weight = (p_.specular_f0 + edge * (p_.specular_f90 - p_.specular_f0)) * (base_share_ / specular_probability_);
+      sample.weight = (specular_f0_ + edge * (specular_f90_ - specular_f0_)) * (base_share_ / specular_probability_);
       sample.delta = true;
       return same_side(sample.wi);
     }
@@ -210,7 +251,7 @@ bool Bsdf::sample_specular(float lobe, const glm::vec2& u, BsdfSample& sample, f
   }
   if (p_.coat_alpha < kDeltaAlpha) {
     sample.wi = coat_.to_world({-coat_wo_.x, -coat_wo_.y, coat_wo_.z});
-    sample.weight = coat_share(coat_wo_.z) / coat_probability_;
+    sample.weight = glm::vec3(coat_reflectance(coat_wo_.z) / coat_probability_);
     sample.delta = true;
     return same_side(sample.wi);
   }
@@ -247,6 +288,14 @@ bool Bsdf::sample_delta_glass(float lobe, float least_chance, BsdfSample& sample
 bool Bsdf::sample_rough_glass(float lobe, const glm::vec2& u, BsdfSample& sample) const {
   glm::vec3 reflected, transmitted;
   float reflect_probability;
+  if (lobe < glass_missed_) {  // several times between facets
+    glm::vec3 local = cosine_hemisphere(u);
+    sample.transmitted = lobe < glass_missed_ * glass_crossing_;
+    if (sample.transmitted) local.z = -local.z;
+    sample.wi = base_.to_world(local);
+    return same_side(sample.wi) != sample.transmitted;
+  }
+  lobe = std::min((lobe - glass_missed_) / (1 - glass_missed_), 0x1.fffffep-1f);
   const glm::vec3 h = Ggx{p_.alpha}.sample_visible(local_wo_, u);
   glass_split(fresnel_dielectric(glm::dot(local_wo_, h), eta_), reflected, transmitted, reflect_probability);
   glm::vec3 local = mirror(local_wo_, h);

@@ -3,15 +3,16 @@
 // The scattering of one surface point: glTF 2.0 metallic-roughness (appendix B) with KHR ior, specular, transmission, volume and
 // clearcoat, as lobes that can be evaluated and sampled together or apart, because the picture's layers keep them apart.
 //
-//   diffuse    Lambert under the dielectric. It gets what the layers above do not reflect of light from the *incident* side,
-//              (1 - E(wi)): flux is conserved for every light direction and the lobe's radiance does not depend on the view,
-//              which is what the layer `diffuse` promises to playback. (Seen at grazing angles a white dielectric so returns
-//              slightly more than a reciprocal model would; its mean over views is exact.)
+//   diffuse    Lambert under the dielectric, coupled to it so that both conserve energy seen from everywhere and light may run
+//              either way: albedo (1 - A(wo)) (1 - A(wi)) / (pi mean(1 - A)), A being the dielectric's albedo (Kelemen &
+//              Szirmay-Kalos 2001). The factor that depends on the view alone, (1 - A(wo)) / mean(1 - A), is kept apart:
+//              the picture's layer `diffuse` goes without it, so that it is the same from everywhere.
 //   specular   GGX with Schlick's Fresnel, metals and dielectrics in one lobe; what metals scatter more than once between facets
 //              is a nearly diffuse part of it.
-//   glass      exact dielectric Fresnel, refraction (solid) or straight-through transmission (thin-walled), smooth or rough,
-//              compensated so that clear glass neither gains nor loses light.
-//   coat       a second GGX layer of index 1.5 on top, with a normal of its own.
+//   glass      exact dielectric Fresnel, refraction (solid) or straight-through transmission (thin-walled), smooth or rough;
+//              what rough glass scatters more than once leaves nearly diffusely, to both sides.
+//   coat       a second GGX layer of index 1.5 on top, with a normal of its own; all below is seen through what it does not
+//              reflect towards the viewer (KHR_materials_clearcoat's rule, the one part that is not reciprocal).
 //
 // Directions point away from the surface and are in world space. Values include the cosine of wi.
 #pragma once
@@ -27,20 +28,23 @@ namespace vitrine::trace {
 struct SurfaceParameters {
   glm::vec3 diffuse{0};                           // albedo of the diffuse lobe before layering
   glm::vec3 dielectric_f0{0}, dielectric_f90{0};  // reflectance of the dielectric over the diffuse lobe, in [0, 1]
-  glm::vec3 specular_f0{0}, specular_f90{0};      // of the specular lobe, times its share (1 - glass)
+  float dielectric = 0;                           // share of the surface that is an opaque dielectric
+  float metal = 0;                                // share that is a metal
+  glm::vec3 metal_f0{0};                          // its reflectance; at grazing angles it is 1
+  float glass = 0;                                // share that transmits; with the two above at most 1
   float alpha = 1;                                // GGX width of specular and glass
-  float glass = 0;                                // share of the surface that transmits
   glm::vec3 glass_tint{1};                        // of transmitted light, per interface
   glm::vec3 glass_reflectance{1};                 // scales outside reflections of glass
-  float ior = 1.5f;                               // > 0
+  float ior = 1.5f;                               // >= 1
   bool thin = true;
-  const GlassAlbedo* glass_albedo = nullptr;  // needed where glass is rough and solid
+  const GlassAlbedo* glass_albedo = nullptr;  // of this index; without it rough solid glass loses light
   float coat = 0, coat_alpha = 0;
 };
 
 // f * |cos| of the lobes, and the densities per solid angle with which sample_diffuse and sample_specular would find wi.
 struct BsdfValue {
-  glm::vec3 diffuse{0}, specular{0};  // specular: all lobes but diffuse
+  glm::vec3 diffuse{0};   // without Bsdf::view_factor()
+  glm::vec3 specular{0};  // all other lobes
   float diffuse_pdf = 0, specular_pdf = 0;
 };
 
@@ -66,6 +70,9 @@ class Bsdf {
   // Smooth glass reflects and transmits with a chance of at least `least_chance` each, where it does both.
   bool sample_specular(float lobe, const glm::vec2& u, BsdfSample& sample, float least_chance = 0) const;
 
+  // What the diffuse lobe's value is to be multiplied by to be what wo sees; 1 in the mean over all views.
+  const glm::vec3& view_factor() const { return view_factor_; }
+  glm::vec3 seen(const BsdfValue& value) const { return value.diffuse * view_factor_ + value.specular; }
   bool has_diffuse() const { return diffuse_weight_ > 0; }
   bool has_specular() const { return specular_weight_ > 0; }
   // Both lobes' estimated albedos; the chance of the diffuse one where one lobe is drawn.
@@ -87,21 +94,30 @@ class Bsdf {
   void add_specular(const glm::vec3& wi, BsdfValue& value) const;
   void add_coat(const glm::vec3& wi, BsdfValue& value) const;
   void add_glass(const glm::vec3& wi, BsdfValue& value) const;
-  glm::vec3 coat_share(float cosine) const;
+  float coat_reflectance(float cosine) const;
+  void add_glass_multiple(const glm::vec3& local, BsdfValue& value) const;
   void glass_split(float reflectance, glm::vec3& reflected, glm::vec3& transmitted, float& reflect_probability) const;
-  void prepare_specular(const ReflectionAlbedo& albedo, float& albedo_estimate);
+  float prepare_specular(const ReflectionAlbedo& albedo);
+  void prepare_diffuse(const ReflectionAlbedo& albedo);
+  void prepare_coat(const glm::vec3& normal, float& albedo_estimate);
+  void prepare_glass(const ReflectionAlbedo& albedo);
   bool sample_delta_glass(float lobe, float least_chance, BsdfSample& sample) const;
   bool sample_rough_glass(float lobe, const glm::vec2& u, BsdfSample& sample) const;
 
   SurfaceParameters p_;
+  float roughness_;
   Basis base_, coat_;
   glm::vec3 wo_, geometric_, local_wo_, coat_wo_{0};
   bool inside_ = false, solid_ = false, has_dense_specular_ = false;
-  float eta_ = 1;              // index of the far side / of this side
+  float eta_ = 1;                            // index of the far side / of this side
+  glm::vec3 specular_f0_{0}, specular_f90_{0};  // of metal and dielectric together, times their shares
+  glm::vec3 view_factor_{1};
   glm::vec3 multiple_{0};      // of the specular lobe: value of multiple scattering / (cos * (1 - albedo of wi))
   float multiple_chance_ = 0;  // of drawing from it, within the lobe
-  float glass_compensation_ = 1;
-  float base_share_ = 1;  // what the coat lets through to the specular lobes, seen from wo
+  float glass_missed_ = 0;     // by single scattering of glass, seen from wo
+  float glass_crossing_ = 0;   // share of that which crosses
+  float glass_here_ = 1, glass_there_ = 1;  // means of what is missed, on this side and the far one
+  float base_share_ = 1;  // what the coat lets through to what is below, seen from wo
   float diffuse_weight_ = 0, specular_weight_ = 0;
   float specular_probability_ = 0, glass_probability_ = 0, coat_probability_ = 0;  // among specular lobes
 };

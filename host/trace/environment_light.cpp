@@ -4,10 +4,10 @@
 namespace vitrine::trace {
 namespace {
 
-// theta from +Y in [0, pi], phi about +Y in [0, 2 pi).
-glm::vec3 direction_of(float theta, float phi) {
-  const float s = std::sin(theta);
-  return {s * std::sin(phi), std::cos(theta), s * std::cos(phi)};
+// The cosine of the angle from +Y; phi about +Y in [0, 2 pi).
+glm::vec3 direction_of(float cosine, float phi) {
+  const float s = safe_sqrt(1 - cosine * cosine);
+  return {s * std::sin(phi), cosine, s * std::cos(phi)};
 }
 
 }  // namespace
@@ -33,7 +33,7 @@ EnvironmentLight::EnvironmentLight(const Environment& environment) : environment
         const float theta = kPi * (static_cast<float>(y) + 0.25f + 0.5f * static_cast<float>(s / 2)) / static_cast<float>(rows_);
         const float phi =
             2 * kPi * (static_cast<float>(x) + 0.25f + 0.5f * static_cast<float>(s % 2)) / static_cast<float>(columns_);
-        mean += 0.25f * luminance(environment.lookup(direction_of(theta, phi)));
+        mean += 0.25f * luminance(environment.lookup(direction_of(std::cos(theta), phi)));
       }
       weights[static_cast<size_t>(y * columns_ + x)] = mean * sin_theta;
       sum += mean * sin_theta;
@@ -51,17 +51,22 @@ EnvironmentLight::EnvironmentLight(const Environment& environment) : environment
   table_ = AliasTable(weights);
 }
 
-float EnvironmentLight::density(int cell, float sin_theta) const {
-  const auto cells = static_cast<float>(columns_) * static_cast<float>(rows_);
-  return table_.probability(cell) * cells / (2 * kPi * kPi * std::max(sin_theta, 1e-6f));
+float EnvironmentLight::cosine_of_row(int row) const {
+  return std::cos(kPi * static_cast<float>(row) / static_cast<float>(rows_));
+}
+
+float EnvironmentLight::density(int cell) const {
+  const int row = cell / columns_;
+  const float solid_angle = 2 * kPi / static_cast<float>(columns_) * (cosine_of_row(row) - cosine_of_row(row + 1));
+  return table_.probability(cell) / solid_angle;
 }
 
 glm::vec3 EnvironmentLight::sample(float pick, const glm::vec2& u, float& pdf) const {
   const int cell = table_.sample(pick);
-  const float theta = kPi * (static_cast<float>(cell / columns_) + u.y) / static_cast<float>(rows_);
+  const float above = cosine_of_row(cell / columns_), below = cosine_of_row(cell / columns_ + 1);
   const float phi = 2 * kPi * (static_cast<float>(cell % columns_) + u.x) / static_cast<float>(columns_);
-  pdf = density(cell, std::sin(theta));
-  return direction_of(theta, phi);
+  pdf = density(cell);
+  return direction_of(above + u.y * (below - above), phi);
 }
 
 float EnvironmentLight::pdf(const glm::vec3& direction) const {
@@ -70,7 +75,7 @@ float EnvironmentLight::pdf(const glm::vec3& direction) const {
   const int y = std::clamp(static_cast<int>(theta / kPi * static_cast<float>(rows_)), 0, rows_ - 1);
   const float wrapped = (phi < 0 ? phi + 2 * kPi : phi) / (2 * kPi);
   const int x = std::clamp(static_cast<int>(wrapped * static_cast<float>(columns_)), 0, columns_ - 1);
-  return density(y * columns_ + x, safe_sqrt(1 - direction.y * direction.y));
+  return density(y * columns_ + x);
 }
 
 }  // namespace vitrine::trace

@@ -24,7 +24,8 @@ class EnvironmentLight {
   float pdf(const glm::vec3& direction) const;
 
  private:
-  float density(int cell, float sin_theta) const;
+  float cosine_of_row(int row) const;  // of the polar angle, at the row's upper border
+  float density(int cell) const;
   const Environment* environment_;
   bool constant_ = true;
   glm::vec3 constant_radiance_{0};

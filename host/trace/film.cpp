@@ -6,7 +6,7 @@ namespace {
 
 // Rare products of huge and tiny numbers: better one lost sample than a ruined pixel.
 glm::vec3 finite(const glm::vec3& light) {
-  return std::isfinite(light.x + light.y + light.z) ? glm::max(light, glm::vec3(0)) : glm::vec3(0);
+  return std::isfinite(light.x + light.y + light.z) ? light : glm::vec3(0);
 }
 
 struct Box {

@@ -15,8 +15,8 @@ struct ObjectFrame {
   int x = 0, y = 0, width = 0, height = 0;  // data window; 0 x 0 where the object is not seen
   std::vector<float> coverage;              // filtered with the pixel filter, [0, 1]
   // Radiance divided by coverage; 0 where coverage is 0.
-  std::vector<glm::vec3> diffuse;   // what first hits scatter diffusely, and emit
-  std::vector<glm::vec3> specular;  // all else
+  std::vector<glm::vec3> diffuse;   // what first hits scatter diffusely, and emit; the same from everywhere
+  std::vector<glm::vec3> specular;  // all else; negative where the view sees less than `diffuse`
 };
 
 struct Frame {

@@ -30,11 +30,15 @@ struct Ggx {
     return masking(wo) * std::max(glm::dot(wo, h), 0.0f) * density(h) / wo.z;
   }
   glm::vec3 sample_visible(const glm::vec3& wo, const glm::vec2& u) const {
-    const glm::vec3 stretched = glm::normalize(glm::vec3(alpha * wo.x, alpha * wo.y, wo.z));
     const float phi = 2 * kPi * u.x;
-    const float z = (1 - u.y) * (1 + stretched.z) - stretched.z;
+    return visible_normal(wo, {std::cos(phi), std::sin(phi)}, u.y);
+  }
+  // The same for a point of the unit circle and a number in [0, 1).
+  glm::vec3 visible_normal(const glm::vec3& wo, const glm::vec2& azimuth, float u) const {
+    const glm::vec3 stretched = glm::normalize(glm::vec3(alpha * wo.x, alpha * wo.y, wo.z));
+    const float z = (1 - u) * (1 + stretched.z) - stretched.z;
     const float r = safe_sqrt(1 - z * z);
-    const glm::vec3 h = glm::vec3(r * std::cos(phi), r * std::sin(phi), z) + stretched;
+    const glm::vec3 h = glm::vec3(r * azimuth.x, r * azimuth.y, z) + stretched;
     return glm::normalize(glm::vec3(alpha * h.x, alpha * h.y, std::max(h.z, 1e-7f)));
   }
 };

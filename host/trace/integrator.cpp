@@ -104,19 +104,19 @@ CameraSample Integrator::trace(const Ray& camera_ray, Sampler& sampler) const {
     result.diffuse = glm::vec3(base);
     return result;
   }
-  result.diffuse = world_.emission_of(surface);
 
   // Split: both lobes share one light sample, then each goes its own way.
   const Bsdf bsdf = make_bsdf(world_, surface, base, -camera_ray.direction);
   const Direct direct = sample_lights(path, surface, bsdf, true, sampler);
-  result.diffuse += direct.diffuse;
-  result.specular += direct.specular;
+  glm::vec3 diffuse = direct.diffuse;
   if (bsdf.has_diffuse()) {
-    Path diffuse = path;
-    diffuse.stream = 1;
-    sampler.start_vertex(diffuse.stream, 0);
-    if (scatter(diffuse, surface, bsdf, Continuation::kDiffuse, sampler)) result.diffuse += follow(diffuse, sampler);
+    Path own = path;
+    own.stream = 1;
+    sampler.start_vertex(own.stream, 0);
+    if (scatter(own, surface, bsdf, Continuation::kDiffuse, sampler)) diffuse += follow(own, sampler);
   }
+  result.diffuse = world_.emission_of(surface) + diffuse;
+  result.specular = direct.specular + diffuse * (bsdf.view_factor() - 1.0f);
   if (bsdf.has_specular()) result.specular += trace_specular(path, surface, bsdf, sampler);
   return result;
 }
@@ -234,6 +234,7 @@ Integrator::Direct Integrator::sample_lights(const Path& path, const Surface& su
     if (!lights_.sample(surface.position, stratum, rotated(point, j), c.light)) continue;
     if (points_inside(bsdf, c.light.wi)) continue;
     c.value = bsdf.evaluate(c.light.wi);
+    if (!split) c.value.diffuse *= bsdf.view_factor();
     if (!bsdf.same_side(c.light.wi)) c.value.specular *= path.share * path.share_behind_glass;
     const Direct light = weigh(c, bsdf, split);
     const float target = luminance(light.diffuse + light.specular);
@@ -307,6 +308,7 @@ bool Integrator::scatter(Path& path, const Surface& surface, const Bsdf& bsdf, C
     value = bsdf.evaluate(sample.wi, diffuse_chance == 1   ? Lobes::kDiffuse
                                      : diffuse_chance == 0 ? Lobes::kSpecular
                                                            : Lobes::kAll);
+    if (continuation == Continuation::kEither) value.diffuse *= bsdf.view_factor();
     pdf = diffuse_chance * value.diffuse_pdf + (1 - diffuse_chance) * value.specular_pdf;
     if (!(pdf > 0)) return false;
     path.throughput *= (value.diffuse + value.specular) / pdf;

@@ -4,7 +4,9 @@
 //
 // Layers. The first surface that a camera ray meets decides the object. There the path splits: one continues by the diffuse
 // lobe and fills `diffuse` (with the surface's emission), one by all other lobes and fills `specular`. Later vertices draw one
-// lobe at random. What lies behind a cut-out or blended first surface belongs to that surface's `specular`.
+// lobe at random. What lies behind a cut-out or blended first surface belongs to that surface's `specular`. So does what the
+// view takes from diffuse light or adds to it (Bsdf::view_factor() - 1 times `diffuse`, which is the same from everywhere):
+// `specular` may be negative.
 //
 // Lights. The first vertex draws four candidate points of lights (later ones draw one), keeps one by its unshadowed contribution
 // (resampling, Talbot et al. 2005; the MIS weights are inside, so the estimate stays unbiased) and sends one shadow ray.

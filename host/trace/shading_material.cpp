@@ -110,10 +110,10 @@ SurfaceParameters parameters_at(const Scene& scene, const ShadingMaterial& mater
   p.ior = index_of(m);
   p.dielectric_f0 = specular * glm::min(dielectric_f0(m) * specular_color, glm::vec3(1));
   p.dielectric_f90 = glm::vec3(specular);
-  const float opaque = (1 - metallic) * (1 - transmission);
-  p.diffuse = base * opaque;
-  p.specular_f0 = opaque * p.dielectric_f0 + metallic * base;
-  p.specular_f90 = opaque * p.dielectric_f90 + glm::vec3(metallic);
+  p.dielectric = (1 - metallic) * (1 - transmission);
+  p.diffuse = base * p.dielectric;
+  p.metal = metallic;
+  p.metal_f0 = base;
   p.glass = (1 - metallic) * transmission;
   p.glass_tint = base;
   p.glass_reflectance = specular * specular_color;

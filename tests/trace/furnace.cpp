@@ -9,7 +9,7 @@
 namespace vitrine::test {
 namespace {
 
-constexpr double kEnergySlack = 0.01;  // of one, the tables' promise
+constexpr double kEnergySlack = 0.005;  // of one
 constexpr double kDepthSlack = 1e-4;   // single precision over many bounces
 
 Laboratory::Radiance plate(const Material& material, float degrees) {
@@ -53,33 +53,18 @@ TEST(Furnace, ClearBallIsInvisible) {
   }
 }
 
-// A view-independent diffuse layer under a dielectric conserves light over all views together (host/trace/bsdf.h).
-TEST(Furnace, WhitePlasticNeitherGainsNorLosesOverAllViews) {
-  for (const float roughness : {0.0f, 0.3f, 0.8f}) {
-    Material plastic;
-    plastic.metallic = 0;
-    plastic.roughness = roughness;
-    double flux = 0;
-    constexpr int kSteps = 16;
-    for (int i = 0; i < kSteps; ++i) {  // equal steps of the squared sine: equal projected solid angles
-      const float degrees = glm::degrees(std::asin(std::sqrt((static_cast<float>(i) + 0.5f) / kSteps)));
-      flux += plate(plastic, degrees).sum.mean / kSteps;
-    }
-    EXPECT_NEAR(flux, 1, 1.5 * kEnergySlack) << "roughness " << roughness;
-  }
-}
-
-TEST(Furnace, CoatedWallNeverGainsLightOverAllViews) {
-  Material coated;
-  coated.metallic = 0;
-  coated.clearcoat = 1;
-  double flux = 0;
-  constexpr int kSteps = 16;
-  for (int i = 0; i < kSteps; ++i) {
-    const float degrees = glm::degrees(std::asin(std::sqrt((static_cast<float>(i) + 0.5f) / kSteps)));
-    flux += plate(coated, degrees).sum.mean / kSteps;
-  }
-  EXPECT_NEAR(flux, 1, 3 * kEnergySlack);
+TEST(Furnace, WhitePlasticAndCoatedWallStayWhiteFromEverywhere) {
+  for (const float coat : {0.0f, 1.0f})
+    for (const float roughness : {0.0f, 0.3f, 0.8f})
+      for (const float degrees : {0.0f, 30.0f, 60.0f, 80.0f}) {
+        SCOPED_TRACE(testing::Message() << "coat " << coat << ", roughness " << roughness << ", " << degrees << " degrees");
+        Material plastic;
+        plastic.metallic = 0;
+        plastic.roughness = roughness;
+        plastic.clearcoat = coat;
+        plastic.clearcoat_roughness = 0.1f;
+        EXPECT_ESTIMATE(plate(plastic, degrees).sum, 1, kEnergySlack);
+      }
 }
 
 TEST(Furnace, DiffuseLayerDoesNotDependOnTheView) {

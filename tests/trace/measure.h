@@ -62,10 +62,10 @@ struct Laboratory {
 
 }  // namespace vitrine::test
 
-// The estimate agrees with `expected` within four standard errors and `slack`, a bound on what is not noise (tessellation,
+// The estimate agrees with `expected` within three standard errors and `slack`, a bound on what is not noise (tessellation,
 // tables): say why it is what it is.
 #define EXPECT_ESTIMATE(estimate_, expected, slack)                                            \
   do {                                                                                         \
     const ::vitrine::test::Estimate e_ = (estimate_);                                          \
-    EXPECT_NEAR(e_.mean, (expected), 4 * e_.error + (slack)) << "standard error " << e_.error; \
+    EXPECT_NEAR(e_.mean, (expected), 3 * e_.error + (slack)) << "standard error " << e_.error; \
   } while (false)
