@@ -71,6 +71,7 @@ Status check_picture(const fb::Image& image) {
   if (image.supersampling() < 1 || image.supersampling() > limits::kSupersampling)
     return malformed("the supersampling is impossible");
   if (image.paths_per_pixel() > limits::kPathsPerPixel) return malformed("the paths per pixel are impossible");
+  if (!in_range(image.noise_db(), 0.0f, 1000.0f)) return malformed("the noise is impossible");
   if (!in_range(image.exposure(), 1e-6f, 1e6f)) return malformed("the exposure is impossible");
   return {};
 }

@@ -13,6 +13,7 @@
 #include "host/base/error.h"
 #include "host/base/output_file.h"
 #include "host/encode/encode.h"
+#include "host/infer/fields.h"
 #include "host/infer/verification.h"
 #include "host/link/link.h"
 #include "host/plan/plan.h"
@@ -20,9 +21,15 @@
 namespace vitrine {
 namespace {
 
-// Reflections and glass are seen once each, diffuse light in all views: the one's noise costs three times the rays, then it
-// stays below what the textures of these scenes miss anyway.
-constexpr int kSpecularFactor = 3;
+// Over how many pictures a layer that does not depend on the view can be counted on to be averaged. A texel is not seen in all
+// of them; and only coarse steps, so that an axis that grows leaves the frames that there are as they are.
+int views_averaged(const Scene& scene) {
+  const AxisMask axes = only_camera_axes(scene);
+  int views = 1;
+  for (size_t a = 0; a < scene.axes.size(); ++a)
+    if (axes >> a & 1) views *= scene.axes[a].shape.samples;
+  return views >= 16 ? 8 : views >= 4 ? 2 : 1;
+}
 
 int64_t render_missing(const Scene& scene, const std::vector<StoreKey>& keys, const Store& store, Progress& progress) {
   std::vector<int64_t> missing;
@@ -162,7 +169,13 @@ void write_image(const std::filesystem::path& path, const std::vector<std::byte>
 }  // namespace
 
 TraceOptions trace_options(const Scene& scene) {
-  return {scene.settings.width, scene.settings.height, scene.settings.samples_per_pixel, 0, true, kSpecularFactor};
+  TraceOptions options;
+  options.width = scene.settings.width;
+  options.height = scene.settings.height;
+  options.samples_per_pixel = scene.settings.samples_per_pixel;
+  options.noise_db = static_cast<double>(scene.settings.noise_db);
+  options.views = views_averaged(scene);
+  return options;
 }
 
 std::vector<StoreKey> frame_keys(const Scene& scene) {

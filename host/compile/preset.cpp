@@ -35,14 +35,15 @@ void apply_preset(Scene& scene, const std::string& name) {
   if (name == "small") {
     settings.width = divided(settings.width, 2);
     settings.height = divided(settings.height, 2);
-    settings.samples_per_pixel = std::min(settings.samples_per_pixel, std::clamp(settings.samples_per_pixel / 10, 6, 16));
+    settings.noise_db = std::max(10.0f, settings.noise_db - 7);
     reduce_axes(scene, [](int samples) { return std::max(2, (samples + 1) / 2); });
   } else if (name == "tiny") {
     // So few samples share nothing: a ratio that suits the whole scene would not even hold the meshes.
     settings.storage = std::to_string(storage_bytes(settings.storage, scene, scene.file.string())) + " B";
     settings.width = divided(settings.width, 4);
     settings.height = divided(settings.height, 4);
-    settings.samples_per_pixel = std::min(settings.samples_per_pixel, 4);
+    settings.noise_db = std::max(10.0f, settings.noise_db - 15);
+    settings.samples_per_pixel = std::min(settings.samples_per_pixel, 8);
     reduce_axes(scene, [](int) { return 3; });
   } else {
     throw InputError("--preset " + name, "there is no such preset", "use tiny, small or full");
@@ -57,6 +58,7 @@ void apply_grid(Scene& scene, const GridOfImage& grid, const std::string& image_
   scene.settings.width = grid.width;
   scene.settings.height = grid.height;
   scene.settings.samples_per_pixel = grid.paths_per_pixel;
+  scene.settings.noise_db = grid.noise_db;
 }
 
 }  // namespace vitrine

@@ -138,7 +138,8 @@ StoreKey frame_key(const StoreKey& scene_key, const Scene& scene, const Position
   key.integer(options.samples_per_pixel);
   key.integer(options.seed);
   key.integer(options.layers);
-  key.integer(options.specular_factor);
+  key.number(options.noise_db);
+  key.integer(options.views);
   append(key, pose.world_from_camera);
   key.integer(pose.variant);
   for (size_t i = 0; i < scene.objects.size(); ++i) {

@@ -16,7 +16,17 @@ AxisMask varying_axes(const ParameterSpace& space) {
   return mask;
 }
 
-// Axes that move the camera and change nothing else: no object, no light, no switch.
+bool all_unlit(const Scene& scene, const Object& object) {
+  const auto unlit = [&](const std::vector<int>& materials) {
+    return std::all_of(materials.begin(), materials.end(),
+                       [&](int m) { return m >= 0 && scene.materials[static_cast<size_t>(m)].unlit; });
+  };
+  return !object.geometry.triangle_materials.empty() && unlit(object.geometry.triangle_materials) &&
+         std::all_of(object.variant_materials.begin(), object.variant_materials.end(), unlit);
+}
+
+}  // namespace
+
 AxisMask only_camera_axes(const Scene& scene) {
   std::vector<bool> carries(scene.nodes.size());  // an object or a light
   const auto mark = [&](int node) {
@@ -35,17 +45,6 @@ AxisMask only_camera_axes(const Scene& scene) {
     if (carries[track.node]) others |= AxisMask{1} << track.axis;
   return camera_axes(scene) & ~others;
 }
-
-bool all_unlit(const Scene& scene, const Object& object) {
-  const auto unlit = [&](const std::vector<int>& materials) {
-    return std::all_of(materials.begin(), materials.end(),
-                       [&](int m) { return m >= 0 && scene.materials[static_cast<size_t>(m)].unlit; });
-  };
-  return !object.geometry.triangle_materials.empty() && unlit(object.geometry.triangle_materials) &&
-         std::all_of(object.variant_materials.begin(), object.variant_materials.end(), unlit);
-}
-
-}  // namespace
 
 const char* layer_name(Layer layer) { return layer == Layer::kDiffuse ? "diffuse" : "specular"; }
 

@@ -16,6 +16,9 @@ enum class Layer : uint8_t { kDiffuse, kSpecular };
 inline constexpr Layer kLayers[] = {Layer::kDiffuse, Layer::kSpecular};
 const char* layer_name(Layer layer);
 
+// Axes that move the camera and change nothing else: no object, no light, no switch.
+AxisMask only_camera_axes(const Scene& scene);
+
 // Grid samples that agree on the axes that move camera or objects share one rendering matrix.
 struct StateTable {
   std::vector<int> state_of_sample;                    // per grid sample, flat

@@ -58,6 +58,7 @@ class Linker {
     image_.height = static_cast<uint32_t>(input_.height);
     image_.supersampling = static_cast<uint32_t>(input_.supersampling);
     image_.paths_per_pixel = static_cast<uint32_t>(input_.scene->settings.samples_per_pixel);
+    image_.noise_db = input_.scene->settings.noise_db;
     image_.frames_key = input_.frames_key;
     image_.exposure = scene_.settings.exposure;
     image_.interpolate = scene_.settings.interpolate;

@@ -135,6 +135,7 @@ struct Axis {
 struct Settings {
   int width = 640, height = 480;
   int samples_per_pixel = 64;
+  float noise_db = 45;            // what compiled frames are traced to (TraceOptions::noise_db)
   bool interpolate = false;  // [target] interpolate: blend neighbouring samples
   float exposure = 1;
   std::string profile = "kiosk-60";

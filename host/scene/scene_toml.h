@@ -8,7 +8,8 @@
 //   environment_rotation degrees about +Y                                                                      0
 //   background           "environment", or a colour [r, g, b] that is seen but lights nothing                  "environment"
 //   resolution           [width, height]                                                                       [640, 480]
-//   samples_per_pixel    paths per pixel                                                                       64
+//   samples_per_pixel    camera rays of a pixel; of compiled frames: in the mean, at most                      64
+//   noise                decibels between two renderings that compiled frames are traced to, in every layer    45
 //   max_radiance         bound of one path's indirect light; 0: none                                           0
 //   camera               name of a camera's node                                                               the first
 //   exposure             factor between radiance and the screen                                                1

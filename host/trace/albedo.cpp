@@ -13,7 +13,7 @@ namespace vitrine::trace {
 namespace {
 
 constexpr int kPoints = 1024;  // of the square that visible normals are drawn from
-constexpr int kSteps = 512;  // of means over the hemisphere
+constexpr int kMeanSteps = 512;  // of means over the hemisphere
 
 // Where visible normals are drawn from: the R2 sequence of Roberts 2018, its first number as a point of the unit circle. Edges
 // where lobes meet the horizon cross the square, and a sequence meets them more evenly than a grid.
@@ -61,9 +61,9 @@ std::array<Value, AlbedoTable<Value>::kRows> means_of(const AlbedoTable<Value>& 
   std::array<Value, AlbedoTable<Value>::kRows> means{};
   for (int j = 0; j < AlbedoTable<Value>::kRows; ++j) {
     Value sum{};
-    for (int i = 0; i < kSteps; ++i) {
-      const float cosine = (static_cast<float>(i) + 0.5f) / kSteps;
-      sum = sum + 2 * cosine / kSteps * table.lookup(cosine, AlbedoTable<Value>::roughness_of(j));
+    for (int i = 0; i < kMeanSteps; ++i) {
+      const float cosine = (static_cast<float>(i) + 0.5f) / kMeanSteps;
+      sum = sum + 2 * cosine / kMeanSteps * table.lookup(cosine, AlbedoTable<Value>::roughness_of(j));
     }
     means[static_cast<size_t>(j)] = sum;
   }
@@ -134,9 +134,9 @@ GlassAlbedo::GlassAlbedo(float ior) {
     missing_[inside] = means_of(sides_[inside]);
     for (float& mean : missing_[inside]) mean = std::max(1 - mean, 1e-6f);
   }
-  for (int i = 0; i < kSteps; ++i) {
-    const float cosine = (static_cast<float>(i) + 0.5f) / kSteps;
-    transmittance_[0] += 2 * cosine / kSteps * (1 - fresnel_dielectric(cosine, ior));
+  for (int i = 0; i < kMeanSteps; ++i) {
+    const float cosine = (static_cast<float>(i) + 0.5f) / kMeanSteps;
+    transmittance_[0] += 2 * cosine / kMeanSteps * (1 - fresnel_dielectric(cosine, ior));
   }
   transmittance_[1] = transmittance_[0] / sqr(ior);
 }

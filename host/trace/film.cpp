@@ -15,45 +15,70 @@ struct Box {
 
 }  // namespace
 
-void PixelSums::clear() {
-  sums_.clear();
-  total_ = glm::dvec3(0);
-  samples_ = 0;
+void SampleSum::add(const glm::vec3& value) {
+  const glm::vec3 v = finite(value);
+  ++count;
+  sum += glm::dvec3(v);
+  squares += v * v;
 }
 
-void PixelSums::add(const CameraSample& sample) {
-  const glm::dvec3 diffuse(finite(sample.diffuse)), specular(finite(sample.specular));
-  total_ += diffuse + specular;
-  ++samples_;
-  if (sample.object < 0) return;
-  for (Sum& sum : sums_) {
-    if (sum.object != sample.object) continue;
-    ++sum.samples;
-    sum.diffuse += diffuse;
-    sum.specular += specular;
-    return;
+glm::vec3 SampleSum::variance() const {
+  if (count < 2) return glm::vec3(0);
+  const glm::vec3 m = mean();
+  const auto n = static_cast<float>(count);
+  return glm::max(squares - n * m * m, glm::vec3(0)) / (n - 1);
+}
+
+PixelObject& TileSums::entry(int pixel, int object) {
+  int* link = &first_[static_cast<size_t>(pixel)];
+  while (*link >= 0) {
+    PixelObject& found = pool_[static_cast<size_t>(*link)];
+    if (found.object == object) return found;
+    link = &found.next;
   }
-  sums_.push_back({sample.object, 1, diffuse, specular});
+  *link = static_cast<int>(pool_.size());
+  PixelObject& made = pool_.emplace_back();
+  made.object = object;
+  return made;
 }
 
-glm::vec3 PixelSums::mean() const { return samples_ ? glm::vec3(total_ / static_cast<double>(samples_)) : glm::vec3(0); }
-
-void PixelSums::append_records(int x, int y, std::vector<FilmRecord>& records) const {
-  for (const Sum& sum : sums_) {
-    const auto own = static_cast<double>(sum.samples);
-    records.push_back(
-        {sum.object, x, y, static_cast<float>(own / samples_), glm::vec3(sum.diffuse / own), glm::vec3(sum.specular / own)});
+void TileSums::add(PixelObject& entry, const CameraSample& sample) {
+  ++entry.samples;
+  if (sample.layers.diffuse) {
+    entry.diffuse.add(sample.diffuse);
+    entry.view.add(sample.view);
   }
+  if (sample.layers.specular) entry.specular.add(sample.specular);
 }
 
-std::vector<ObjectFrame> objects_from_records(const std::vector<std::vector<FilmRecord>>& tiles, int object_count) {
+Film::Film(int width, int height) : width_(width), height_(height), columns_((width + kTile - 1) / kTile) {
+  tiles_.resize(static_cast<size_t>(columns_) * static_cast<size_t>((height + kTile - 1) / kTile));
+}
+
+Frame Film::frame(bool layers, int object_count) const {
+  Frame frame;
+  frame.width = width_;
+  frame.height = height_;
+  frame.combined.reserve(static_cast<size_t>(width_) * static_cast<size_t>(height_));
+  for_each_pixel([&](int, int, const TileSums& tile, int pixel) {
+    glm::vec3 sum(0);
+    const auto samples = static_cast<float>(std::max(1, tile.samples(pixel)));
+    tile.for_each(pixel, [&](const PixelObject& o) { sum += static_cast<float>(o.samples) / samples * o.radiance(); });
+    frame.combined.push_back(sum);
+  });
+  if (layers) frame.objects = object_frames(object_count);
+  return frame;
+}
+
+std::vector<ObjectFrame> Film::object_frames(int object_count) const {
   std::vector<Box> boxes(static_cast<size_t>(object_count));
-  for (const auto& tile : tiles) {
-    for (const FilmRecord& r : tile) {
-      Box& b = boxes[static_cast<size_t>(r.object)];
-      b = {std::min(b.x0, r.x), std::min(b.y0, r.y), std::max(b.x1, r.x), std::max(b.y1, r.y)};
-    }
-  }
+  for_each_pixel([&](int x, int y, const TileSums& tile, int pixel) {
+    tile.for_each(pixel, [&](const PixelObject& o) {
+      if (o.object < 0) return;
+      Box& b = boxes[static_cast<size_t>(o.object)];
+      b = {std::min(b.x0, x), std::min(b.y0, y), std::max(b.x1, x), std::max(b.y1, y)};
+    });
+  });
   std::vector<ObjectFrame> frames;
   std::vector<int> frame_of_object(boxes.size(), -1);
   for (size_t o = 0; o < boxes.size(); ++o) {
@@ -67,15 +92,16 @@ std::vector<ObjectFrame> objects_from_records(const std::vector<std::vector<Film
     f.specular.assign(pixels, glm::vec3(0));
     frames.push_back(std::move(f));
   }
-  for (const auto& tile : tiles) {
-    for (const FilmRecord& r : tile) {
-      ObjectFrame& f = frames[static_cast<size_t>(frame_of_object[static_cast<size_t>(r.object)])];
-      const size_t i = static_cast<size_t>(r.y - f.y) * static_cast<size_t>(f.width) + static_cast<size_t>(r.x - f.x);
-      f.coverage[i] = r.coverage;
-      f.diffuse[i] = r.diffuse;
-      f.specular[i] = r.specular;
-    }
-  }
+  for_each_pixel([&](int x, int y, const TileSums& tile, int pixel) {
+    tile.for_each(pixel, [&](const PixelObject& o) {
+      if (o.object < 0) return;
+      ObjectFrame& f = frames[static_cast<size_t>(frame_of_object[static_cast<size_t>(o.object)])];
+      const size_t i = static_cast<size_t>(y - f.y) * static_cast<size_t>(f.width) + static_cast<size_t>(x - f.x);
+      f.coverage[i] = static_cast<float>(o.samples) / static_cast<float>(tile.samples(pixel));
+      f.diffuse[i] = o.diffuse.mean();
+      f.specular[i] = o.specular.mean() + o.view.mean();
+    });
+  });
   return frames;
 }
 

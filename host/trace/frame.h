@@ -19,10 +19,19 @@ struct ObjectFrame {
   std::vector<glm::vec3> specular;  // all else; negative where the view sees less than `diffuse`
 };
 
+// Noise of one object's layers, estimated while it was traced: PSNR in decibels of sRGB codes between two renderings with
+// different seeds; 0 where the object is not seen, 99 where there is none.
+struct NoiseReport {
+  int object = 0;
+  double diffuse_db = 0, specular_db = 0;
+};
+
 struct Frame {
   int width = 0, height = 0;
   std::vector<glm::vec3> combined;   // filtered radiance of the whole picture = sum of coverage * (diffuse + specular)
   std::vector<ObjectFrame> objects;  // empty when layers were not asked for
+  std::vector<NoiseReport> noise;    // per object that is seen; empty where it was not estimated (a frame from a file)
+  double rays_per_pixel = 0;         // camera rays, in the mean
 };
 
 }  // namespace vitrine

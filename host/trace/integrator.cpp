@@ -49,11 +49,6 @@ bool survives_roulette(Path& path, float probability, float u) {
   return true;
 }
 
-Gloss gloss_of(const Bsdf& bsdf) {
-  const float albedo = bsdf.has_specular() ? bsdf.specular_albedo() : 0.0f;
-  return albedo < kFaintSpecular ? Gloss::kNone : albedo < kStrongSpecular ? Gloss::kSome : Gloss::kAll;
-}
-
 // What is lost in the medium of the segment that ended at `surface`.
 void absorb(Path& path, const Surface& surface, float distance) {
   const bool unknown_inside = path.media.empty() && surface.back && surface.material->solid;
@@ -79,24 +74,36 @@ Integrator::Integrator(const World& world, const Lights& lights, const PathSetti
       settings_(settings),
       sample_lights_(!lights.empty() && settings.strategy != LightStrategy::kScatteringOnly) {}
 
-CameraSample Integrator::backdrop(const glm::vec3& direction) const {
+glm::vec3 Integrator::backdrop(const glm::vec3& direction) const {
   const Scene& scene = world_.scene();
   const bool painted = world_.backdrop() >= 0 && !scene.background_is_environment;
-  return {world_.backdrop(), painted ? scene.background_color : lights_.environment().radiance(direction), glm::vec3(0)};
+  return painted ? scene.background_color : lights_.environment().radiance(direction);
 }
 
-CameraSample Integrator::trace(const Ray& camera_ray, Sampler& sampler) const {
-  Hit hit;
-  if (!world_.intersect(camera_ray, hit)) return backdrop(camera_ray.direction);
-  const Surface surface = world_.surface_at(camera_ray, hit);
+FirstHit Integrator::meet(const Ray& camera_ray) const {
+  FirstHit first;
+  first.ray = camera_ray;
+  first.solid = world_.intersect(camera_ray, first.hit);
+  if (first.solid) first.surface = world_.surface_at(camera_ray, first.hit);
+  first.object = first.solid ? first.surface.object : world_.backdrop();
+  return first;
+}
+
+CameraSample Integrator::shade(const FirstHit& first, LayerSet layers, Sampler& sampler) const {
   CameraSample result;
-  result.object = surface.object;
+  result.object = first.object;
+  result.layers = layers;
+  if (!first.solid) {
+    result.diffuse = backdrop(first.ray.direction);
+    return result;
+  }
+  const Surface& surface = first.surface;
   Path path;
-  path.ray = camera_ray;
-  absorb(path, surface, hit.distance);
+  path.ray = first.ray;
+  absorb(path, surface, first.hit.distance);
   sampler.start_vertex(0, path.vertex++);
-  if (advance_through_cut(surface, hit, path, sampler)) {
-    result.specular = follow(path, sampler);
+  if (advance_through_cut(surface, first.hit, path, sampler)) {
+    if (layers.specular) result.specular = follow(path, sampler);
     return result;
   }
   const glm::vec4 base = base_color_at(world_.scene(), *surface.material, surface.point);
@@ -106,37 +113,33 @@ CameraSample Integrator::trace(const Ray& camera_ray, Sampler& sampler) const {
   }
 
   // Split: both lobes share one light sample, then each goes its own way.
-  const Bsdf bsdf = make_bsdf(world_, surface, base, -camera_ray.direction);
-  const Direct direct = sample_lights(path, surface, bsdf, true, sampler);
-  glm::vec3 diffuse = direct.diffuse;
-  if (bsdf.has_diffuse()) {
-    Path own = path;
-    own.stream = 1;
-    sampler.start_vertex(own.stream, 0);
-    if (scatter(own, surface, bsdf, Continuation::kDiffuse, sampler)) diffuse += follow(own, sampler);
+  const Bsdf bsdf = make_bsdf(world_, surface, base, -first.ray.direction);
+  const Lobes lobes = !layers.specular ? Lobes::kDiffuse : !layers.diffuse ? Lobes::kSpecular : Lobes::kAll;
+  const Direct direct = sample_lights(path, surface, bsdf, true, lobes, sampler);
+  if (layers.diffuse) {
+    glm::vec3 scattered = direct.diffuse;
+    if (bsdf.has_diffuse()) {
+      Path own = path;
+      own.stream = 1;
+      sampler.start_vertex(own.stream, 0);
+      if (scatter(own, surface, bsdf, Continuation::kDiffuse, sampler)) scattered += follow(own, sampler);
+    }
+    result.diffuse = world_.emission_of(surface) + scattered;
+    result.view = scattered * (bsdf.view_factor() - 1.0f);
   }
-  result.diffuse = world_.emission_of(surface) + diffuse;
-  result.specular = direct.specular + diffuse * (bsdf.view_factor() - 1.0f);
-  if (bsdf.has_specular()) result.specular += trace_specular(path, surface, bsdf, sampler);
+  if (layers.specular) {
+    result.specular = direct.specular;
+    if (bsdf.has_specular()) result.specular += trace_specular(path, surface, bsdf, sampler);
+  }
   return result;
-}
-
-Gloss Integrator::gloss(const Ray& camera_ray) const {
-  Hit hit;
-  if (!world_.intersect(camera_ray, hit)) return Gloss::kNone;
-  const Surface surface = world_.surface_at(camera_ray, hit);
-  const glm::vec4 base = base_color_at(world_.scene(), *surface.material, surface.point);
-  if (surface.material->cut && alpha_at(*surface.material, base) < 0.5f) return Gloss::kAll;  // a view of what lies behind
-  if (surface.material->source->unlit) return Gloss::kNone;
-  return gloss_of(make_bsdf(world_, surface, base, -camera_ray.direction));
 }
 
 // Reflections and refractions change with every view, so each frame owes its own paths to them; what is diffuse is averaged
 // over all views when textures are inferred.
 glm::vec3 Integrator::trace_specular(const Path& start, const Surface& surface, const Bsdf& bsdf, Sampler& sampler) const {
-  const Gloss gloss = gloss_of(bsdf);
-  const int paths = gloss == Gloss::kNone ? 1 : gloss == Gloss::kSome ? kSpecularPaths : 2 * kSpecularPaths;
-  const float chance = gloss == Gloss::kNone ? std::clamp(bsdf.specular_albedo() / kFaintSpecular, 0.1f, 1.0f) : 1.0f;
+  const float albedo = bsdf.specular_albedo();
+  const int paths = albedo < kFaintSpecular ? 1 : albedo < kStrongSpecular ? kSpecularPaths : 2 * kSpecularPaths;
+  const float chance = std::clamp(albedo / kFaintSpecular, 0.1f, 1.0f);
   glm::vec3 sum(0);
   for (int i = 0; i < paths; ++i) {
     Path path = start;
@@ -178,7 +181,7 @@ glm::vec3 Integrator::follow(Path& path, Sampler& sampler) const {
 
     // Light that it scatters, from lights directly and from wherever the path goes on.
     const Bsdf bsdf = make_bsdf(world_, surface, base, -path.ray.direction);
-    const Direct sampled = sample_lights(path, surface, bsdf, false, sampler);
+    const Direct sampled = sample_lights(path, surface, bsdf, false, Lobes::kAll, sampler);
     add(sampled.diffuse + sampled.specular, path.scatterings == 0);
     if (!scatter(path, surface, bsdf, Continuation::kEither, sampler)) break;
     if (path.scatterings < kRouletteFrom) continue;
@@ -218,7 +221,7 @@ glm::vec3 Integrator::escaped(const Path& path) const {
 }
 
 Integrator::Direct Integrator::sample_lights(const Path& path, const Surface& surface, const Bsdf& bsdf, bool split,
-                                             Sampler& sampler) const {
+                                             Lobes lobes, Sampler& sampler) const {
   if (!sample_lights_ || !bsdf.has_density()) return {};
   const float pick = sampler.get1d();
   const glm::vec2 point = sampler.get2d();
@@ -233,7 +236,7 @@ Integrator::Direct Integrator::sample_lights(const Path& path, const Surface& su
     const float stratum = std::min((pick + static_cast<float>(j)) / static_cast<float>(count), 0x1.fffffep-1f);
     if (!lights_.sample(surface.position, stratum, rotated(point, j), c.light)) continue;
     if (points_inside(bsdf, c.light.wi)) continue;
-    c.value = bsdf.evaluate(c.light.wi);
+    c.value = bsdf.evaluate(c.light.wi, lobes);
     if (!split) c.value.diffuse *= bsdf.view_factor();
     if (!bsdf.same_side(c.light.wi)) c.value.specular *= path.share * path.share_behind_glass;
     const Direct light = weigh(c, bsdf, split);

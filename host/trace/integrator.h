@@ -33,22 +33,36 @@ struct PathSettings {
   bool straight_shadows = true;                   // false: true caustics, noisy, and none from punctual lights
 };
 
-// Radiance along one camera ray.
-struct CameraSample {
-  int object = -1;  // index into Scene::objects, or -1 where nothing is met
-  glm::vec3 diffuse{0}, specular{0};
+// What a camera ray meets first.
+struct FirstHit {
+  Ray ray;
+  Hit hit;
+  int object = -1;   // index into Scene::objects, or -1 where nothing is met; the backdrop is an object without a surface
+  bool solid = false;  // there is a surface
+  Surface surface;
 };
 
-// How much of the light of a surface depends on where it is seen from.
-enum class Gloss : uint8_t { kNone, kSome, kAll };
+// The layers of the picture that a camera sample is asked for, and gives.
+struct LayerSet {
+  bool diffuse = true, specular = true;
+};
+
+// Radiance along one camera ray.
+struct CameraSample {
+  int object = -1;
+  LayerSet layers;      // those that were asked for; the others are 0
+  glm::vec3 diffuse{0};
+  glm::vec3 view{0};    // what the view adds to `diffuse` or takes from it; part of the layer `specular`
+  glm::vec3 specular{0};
+};
 
 class Integrator {
  public:
   Integrator(const World& world, const Lights& lights, const PathSettings& settings);
+  FirstHit meet(const Ray& camera_ray) const;
   // Draws from sampler vertex 1 on; vertex 0 is the camera's.
-  CameraSample trace(const Ray& camera_ray, Sampler& sampler) const;
-  // Of the first surface that the ray meets.
-  Gloss gloss(const Ray& camera_ray) const;
+  CameraSample shade(const FirstHit& first, LayerSet layers, Sampler& sampler) const;
+  CameraSample trace(const Ray& camera_ray, Sampler& sampler) const { return shade(meet(camera_ray), {}, sampler); }
 
  private:
   struct Direct {
@@ -60,14 +74,15 @@ class Integrator {
   };
   enum class Continuation : uint8_t { kDiffuse, kSpecular, kEither };
 
-  CameraSample backdrop(const glm::vec3& direction) const;
+  glm::vec3 backdrop(const glm::vec3& direction) const;
   glm::vec3 trace_specular(const Path& start, const Surface& surface, const Bsdf& bsdf, Sampler& sampler) const;
   glm::vec3 follow(Path& path, Sampler& sampler) const;
   bool advance_through_cut(const Surface& surface, const Hit& hit, Path& path, Sampler& sampler) const;
   glm::vec3 emitted(const Path& path, const Surface& surface) const;
   glm::vec3 escaped(const Path& path) const;
   glm::vec3 found_weight(const Path& path, float light_pdf) const;
-  Direct sample_lights(const Path& path, const Surface& surface, const Bsdf& bsdf, bool split, Sampler& sampler) const;
+  // `split`: the lobes of `lobes` are kept apart, as at the first vertex.
+  Direct sample_lights(const Path& path, const Surface& surface, const Bsdf& bsdf, bool split, Lobes lobes, Sampler& sampler) const;
   Direct weigh(const Candidate& candidate, const Bsdf& bsdf, bool split) const;
   Direct weigh_through_glass(const Candidate& candidate, const Bsdf& bsdf) const;
   // `stratum`: of the numbers that choose a lobe, where several paths go on from one point.

@@ -3,14 +3,15 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "host/trace/camera_rays.h"
 #include "host/trace/film.h"
 #include "host/trace/filter_sampler.h"
-#include "host/trace/ray_counts.h"
+#include "host/trace/sample_plan.h"
 
 namespace vitrine {
-
-using trace::FilmRecord;
 
 struct Tracer::Impl {
   explicit Impl(const Scene& scene) : world(scene) {}
@@ -20,7 +21,7 @@ struct Tracer::Impl {
 
 namespace {
 
-constexpr int kTile = 16;
+constexpr int kFirstSamples = 2, kGrowth = 4;  // samples of a pixel that the first plan is made from; growth until the next
 
 // Everything that tiles share in one frame.
 struct Rendering {
@@ -28,35 +29,57 @@ struct Rendering {
   const trace::FilterSampler& filter;
   const trace::CameraRays& camera;
   const trace::Integrator& integrator;
-  const trace::RayCounts& counts;
-  Frame& frame;
-  std::vector<std::vector<FilmRecord>>& records;
+  const trace::SamplePlan& plan;
+  trace::Film& film;
   Progress& progress;
 };
 
-void render_pixel(const Rendering& r, int x, int y, trace::PixelSums& sums) {
-  sums.clear();
-  for (int s = 0, count = r.counts.at(x, y); s < count; ++s) {
-    trace::Sampler sampler(static_cast<uint32_t>(x), static_cast<uint32_t>(y), static_cast<uint32_t>(s), r.options.seed);
+// Samples of a pixel up to its budget, and at most `limit`.
+void render_pixel(const Rendering& r, int x, int y, int limit, trace::TileSums& sums) {
+  const int pixel = trace::Film::pixel_in_tile(x, y);
+  const trace::PixelBudget& budget = r.plan.at(x, y);
+  for (int i = sums.samples(pixel), end = std::min(budget.samples, limit); i < end; ++i) {
+    trace::Sampler sampler(static_cast<uint32_t>(x), static_cast<uint32_t>(y), static_cast<uint32_t>(i), r.options.seed);
     sampler.start_vertex(0, 0);
     const glm::vec2 offset = r.filter.sample(sampler.get2d());
-    const trace::Ray ray = r.camera.ray(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y);
-    sums.add(r.integrator.trace(ray, sampler));
+    const trace::FirstHit first = r.integrator.meet(
+        r.camera.ray(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y));
+    trace::PixelObject& entry = sums.entry(pixel, first.object);
+    const trace::LayerSet layers{entry.diffuse.count < budget.diffuse, entry.specular.count < budget.specular};
+    trace::TileSums::add(entry, r.integrator.shade(first, layers, sampler));
+    sums.count_sample(pixel);
   }
 }
 
-void render_tile(const Rendering& r, int tile) {
-  const int columns = (r.options.width + kTile - 1) / kTile;
-  const int x0 = tile % columns * kTile, y0 = tile / columns * kTile;
-  trace::PixelSums sums;
-  for (int y = y0; y < std::min(y0 + kTile, r.options.height); ++y) {
-    for (int x = x0; x < std::min(x0 + kTile, r.options.width); ++x) {
-      render_pixel(r, x, y, sums);
-      r.frame.combined[static_cast<size_t>(y) * static_cast<size_t>(r.options.width) + static_cast<size_t>(x)] = sums.mean();
-      if (r.options.layers) sums.append_records(x, y, r.records[static_cast<size_t>(tile)]);
-    }
+void render_tile(const Rendering& r, int tile, int limit) {
+  const glm::ivec2 corner = r.film.corner(tile);
+  trace::TileSums& sums = r.film.tile(tile);
+  for (int y = corner.y; y < std::min(corner.y + trace::kTile, r.options.height); ++y) {
+    for (int x = corner.x; x < std::min(corner.x + trace::kTile, r.options.width); ++x) render_pixel(r, x, y, limit, sums);
     r.progress.advance(0);
   }
+}
+
+trace::NoiseTarget noise_target(const Scene& scene, const TraceOptions& options) {
+  trace::NoiseTarget target;
+  target.error = std::pow(10, -options.noise_db / 20) / std::sqrt(2.0);  // between two renderings there are two errors
+  target.views = options.views;
+  target.max_mean_samples = options.samples_per_pixel;
+  target.white = 1 / scene.settings.exposure;
+  return target;
+}
+
+double decibels(double error) { return error > 0 ? std::min(-20 * std::log10(std::sqrt(2.0) * error), 99.0) : 99.0; }
+
+void report_noise(const trace::SamplePlan& plan, const trace::Film& film, Frame& frame) {
+  for (const ObjectFrame& o : frame.objects) {
+    const trace::LayerNoise& noise = plan.noise()[static_cast<size_t>(o.object)];
+    frame.noise.push_back({o.object, decibels(noise[0]), decibels(noise[1])});
+  }
+  double rays = 0;
+  for (int y = 0; y < frame.height; ++y)
+    for (int x = 0; x < frame.width; ++x) rays += film.tile_at(x, y).samples(trace::Film::pixel_in_tile(x, y));
+  frame.rays_per_pixel = rays / (static_cast<double>(frame.width) * frame.height);
 }
 
 }  // namespace
@@ -69,26 +92,30 @@ Frame Tracer::render(const Position& position, const TraceOptions& options, Prog
   world.pose(position);
   const trace::Lights lights(world);
   const Scene& scene = world.scene();
-  Frame frame;
-  frame.width = options.width;
-  frame.height = options.height;
-  frame.combined.resize(static_cast<size_t>(options.width) * static_cast<size_t>(options.height));
-  const int tiles = ((options.width + kTile - 1) / kTile) * ((options.height + kTile - 1) / kTile);
-  std::vector<std::vector<FilmRecord>> records(static_cast<size_t>(tiles));
+  const auto object_count = static_cast<int>(scene.objects.size());
   trace::PathSettings settings;
   settings.max_radiance = scene.settings.max_radiance;
   const trace::CameraRays camera(scene.camera, world.current_pose().world_from_camera, options.width, options.height);
   const trace::Integrator integrator(world, lights, settings);
-  const trace::RayCounts counts(integrator, camera, options.width, options.height, options.samples_per_pixel,
-                                options.specular_factor);
-  const Rendering rendering{options, impl_->filter, camera, integrator, counts, frame, records, progress};
-  progress.begin("trace", tiles, 0, "tiles");
-  tbb::parallel_for(0, tiles, [&](int tile) {
-    render_tile(rendering, tile);
-    progress.advance(1);
-  });
-  progress.end();
-  if (options.layers) frame.objects = trace::objects_from_records(records, static_cast<int>(scene.objects.size()));
+  const trace::NoiseTarget target = noise_target(scene, options);
+  const bool adaptive = options.noise_db > 0;
+  trace::Film film(options.width, options.height);
+  trace::SamplePlan plan(options.width, options.height, adaptive ? kFirstSamples : options.samples_per_pixel);
+  const Rendering rendering{options, impl_->filter, camera, integrator, plan, film, progress};
+
+  // Passes of growing length: each tells better than the one before where samples are wanting.
+  for (int limit = adaptive ? kFirstSamples : options.samples_per_pixel;; limit *= kGrowth) {
+    progress.begin("trace", film.tile_count(), 0, "tiles");
+    tbb::parallel_for(0, film.tile_count(), [&](int tile) {
+      render_tile(rendering, tile, limit);
+      progress.advance(1);
+    });
+    progress.end();
+    plan.revise(film, target, object_count);
+    if (!adaptive || limit >= plan.most_samples()) break;
+  }
+  Frame frame = film.frame(options.layers, object_count);
+  report_noise(plan, film, frame);
   return frame;
 }
 

@@ -4,8 +4,10 @@
 // samples. The result depends on the scene, the position, the options and nothing else: not on the number of threads.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "formats/parameter_space.h"
 #include "host/base/progress.h"
@@ -16,12 +18,15 @@ namespace vitrine {
 
 struct TraceOptions {
   int width = 640, height = 480;
+  // Camera rays of every pixel; with `noise_db` of a pixel in the mean, at most.
   int samples_per_pixel = 64;
   uint32_t seed = 0;   // independent noise for different seeds
   bool layers = true;  // fill Frame::objects
-  // Pixels that may show reflections or refraction get this many times as many camera rays, four times that where they show
-  // little else: for frames whose textures will be inferred. 1: the same everywhere.
-  int specular_factor = 1;
+  // 0: every pixel gets the same. Otherwise rays are given where they are needed (trace/sample_plan.h) until two renderings
+  // with different seeds would agree to so many decibels in every layer of every object, or the rays are spent. PSNR of
+  // sRGB codes; of layers that do not depend on the view after the average over `views` pictures.
+  double noise_db = 0;
+  int views = 1;
 };
 
 class Tracer {

@@ -172,6 +172,7 @@ bool World::intersect(const Ray& ray, Hit& hit) const {
   query.ray = embree_ray(ray);
   query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
   query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+  if (log_) log_->add_intersection(query.ray);
   rtcIntersect1(root_, &context, &query);
   if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID) return false;
   hit = {static_cast<int>(query.hit.instID[0]), static_cast<int>(query.hit.primID), query.hit.u, query.hit.v, query.ray.tfar};
@@ -241,6 +242,7 @@ glm::vec3 World::emission_of(const Surface& surface) const {
 Shadow World::shadow(const Ray& ray, bool through_glass, const glm::vec3& absorption) const {
   ShadowContext context(through_glass);
   RTCRay query = embree_ray(ray);
+  if (log_) log_->add_shadow(query, through_glass);
   rtcOccluded1(root_, &context.embree, &query);
   if (query.tfar < 0) return {glm::vec3(0), false};
   return context.result(ray.t_max, absorption);

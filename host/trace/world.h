@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "host/scene/scene.h"
+#include "host/trace/ray_log.h"
 #include "host/trace/shading_material.h"
 
 namespace vitrine::trace {
@@ -81,6 +82,10 @@ class World {
   // glass (else it stops there); `absorption` is that of the medium around the origin.
   Shadow shadow(const Ray& ray, bool through_glass, const glm::vec3& absorption) const;
 
+  // Queries go to `log` too, from now on; null: no more. For one thread.
+  void log_rays(RayLog* log) { log_ = log; }
+  RTCScene embree_scene() const { return root_; }
+
   const Scene& scene() const { return scene_; }
   const Pose& current_pose() const { return pose_; }
   const std::vector<PosedObject>& objects() const { return objects_; }
@@ -101,6 +106,7 @@ class World {
   std::vector<RTCGeometry> instances_;
   RTCDevice device_ = nullptr;
   RTCScene root_ = nullptr;
+  RayLog* log_ = nullptr;
   int backdrop_ = -1;
   float radius_ = 1;
   glm::vec3 center_{0};

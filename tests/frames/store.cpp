@@ -348,14 +348,15 @@ TEST(Key, ChangesWithWhateverLightDependsOn) {
   expect_new("camera's node", [](Scene& s) { s.nodes[0].translation.x = 1; });
   expect_new("object's node", [](Scene& s) { s.nodes[2].translation.x = 1; });
   expect_new("clamp", [](Scene& s) { s.settings.max_radiance = 1; });
-  for (int option = 0; option < 6; ++option) {
+  for (int option = 0; option < 7; ++option) {
     TraceOptions o;
     if (option == 0) o.width = 10;
     if (option == 1) o.height = 10;
     if (option == 2) o.samples_per_pixel = 10;
     if (option == 3) o.seed = 10;
     if (option == 4) o.layers = false;
-    if (option == 5) o.specular_factor = 4;
+    if (option == 5) o.noise_db = 40;
+    if (option == 6) o.views = 4;
     keys.insert(frame_key_of(small_scene(), o).hex());
     EXPECT_EQ(keys.size(), ++expected) << "option " << option;
   }

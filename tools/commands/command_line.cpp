@@ -32,7 +32,8 @@ void add_render(CLI::App& app, RenderCommand& options) {
   CLI::App* command = app.add_subcommand("render", "Path-trace one picture of a scene");
   command->add_option("SCENE", options.scene, "Folder with scene.toml, or a .toml file")->required()->check(kNotEmpty);
   command->add_option("--at", options.at, "Where: AXIS=POSITION in [0,1] or AXIS=#SAMPLE, separated by commas (default: 0 everywhere)")->check(kNotEmpty);
-  command->add_option("--spp", options.samples_per_pixel, "Paths per pixel instead of the scene's")->check(CLI::Range(1, 1 << 20));
+  command->add_option("--spp", options.samples_per_pixel, "Camera rays of every pixel instead of the scene's; with --noise of a pixel in the mean, at most")->check(CLI::Range(1, 1 << 20));
+  command->add_option("--noise", options.noise_db, "Give rays where they are needed, until two seeds would agree to so many dB in every object's layers")->check(CLI::Range(10, 80));
   command->add_option("--size", options.size, "WIDTHxHEIGHT instead of the scene's")->check(kNotEmpty);
   command->add_option("--seed", options.seed, "Another seed gives independent noise");
   command->add_flag("--layers", options.layers, "Also write each object's diffuse, specular and coverage (.exr)");
@@ -75,6 +76,14 @@ void add_verify(CLI::App& app, VerifyCommand& options) {
   command->footer("Example: vitrine verify lamp.vit --scene shop --json");
 }
 
+void add_bench_trace(CLI::App& bench, BenchTraceCommand& options) {
+  CLI::App* command = bench.add_subcommand("trace", "The tracer's speed beside a bare loop of the same Embree queries");
+  command->add_option("SCENE", options.scene, "Folder with scene.toml, or a .toml file")->required()->check(kNotEmpty);
+  command->add_option("--spp", options.samples_per_pixel, "Camera rays per pixel")->capture_default_str()->check(CLI::Range(1, 64));
+  add_common_options(*command, options.common);
+  command->footer("Example: vitrine bench trace shop");
+}
+
 std::string name_of_command(const CLI::App& app) {
   const std::vector<CLI::App*> commands = app.get_subcommands();
   return commands.empty() ? "vitrine" : "vitrine " + commands.front()->get_name();
@@ -91,6 +100,7 @@ struct Commands {
   CompileCommand compile;
   InspectCommand inspect;
   VerifyCommand verify;
+  BenchTraceCommand bench_trace;
 };
 
 std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
@@ -98,7 +108,8 @@ std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
   if (app.got_subcommand("render")) return [command = commands.render] { command.run(); };
   if (app.got_subcommand("compile")) return [command = commands.compile] { command.run(); };
   if (app.got_subcommand("inspect")) return [command = commands.inspect] { command.run(); };
-  return [command = commands.verify] { command.run(); };
+  if (app.got_subcommand("verify")) return [command = commands.verify] { command.run(); };
+  return [command = commands.bench_trace] { command.run(); };
 }
 
 }  // namespace
@@ -114,9 +125,13 @@ std::function<void()> parse_command_line(int argc, char** argv) {
   add_compile(app, commands.compile);
   add_inspect(app, commands.inspect);
   add_verify(app, commands.verify);
+  CLI::App* bench = app.add_subcommand("bench", "Measure a stage against its peers; each prints a table");
+  bench->require_subcommand(1);
+  bench->footer("Example: vitrine bench trace shop");
+  add_bench_trace(*bench, commands.bench_trace);
   // CLI11 would only say that a subcommand is missing.
   if (argc > 1 && argv[1][0] != '-' && !has_command(app, argv[1]))
-    throw UsageError(std::string("there is no command \"") + argv[1] + "\": use new, render, compile, inspect or verify: see vitrine --help");
+    throw UsageError(std::string("there is no command \"") + argv[1] + "\": use new, render, compile, inspect, verify or bench: see vitrine --help");
   try {
     app.parse(argc, argv);
   } catch (const CLI::Success& asked) {

@@ -28,6 +28,7 @@ struct NewCommand {
 struct RenderCommand {
   std::string scene, at, size, output;
   int samples_per_pixel = 0;  // 0: the scene's
+  double noise_db = 0;        // 0: every pixel gets the same
   uint32_t seed = 0;
   bool layers = false;
   CommonOptions common;
@@ -49,6 +50,13 @@ struct InspectCommand {
 struct VerifyCommand {
   std::string image, scene, work, sheet;
   int at = 3, between = 2, off = 2;  // references of each kind
+  CommonOptions common;
+  void run() const;
+};
+
+struct BenchTraceCommand {
+  std::string scene;
+  int samples_per_pixel = 4;
   CommonOptions common;
   void run() const;
 };

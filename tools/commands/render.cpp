@@ -51,6 +51,14 @@ void write_layers(const std::string& file, const Scene& scene, const Frame& fram
   if (!status.ok()) throw InputError(file, status.detail(), "check that the folder exists and has room");
 }
 
+// Estimated while tracing: decibels between two seeds, per object and layer.
+nlohmann::json noise_of_objects(const Scene& scene, const Frame& frame) {
+  nlohmann::json objects = nlohmann::json::object();
+  for (const NoiseReport& n : frame.noise)
+    objects[scene.objects[static_cast<size_t>(n.object)].name] = {{"diffuse_db", n.diffuse_db}, {"specular_db", n.specular_db}};
+  return objects;
+}
+
 }  // namespace
 
 void RenderCommand::run() const {
@@ -74,6 +82,8 @@ void RenderCommand::run() const {
   }
 
   TraceOptions trace = trace_options(*loaded);
+  trace.noise_db = noise_db;
+  trace.views = 1;
   trace.seed = seed;
   trace.layers = layers;
   Tracer tracer(*loaded);
@@ -83,7 +93,12 @@ void RenderCommand::run() const {
   else
     write_picture(output, frame, loaded->settings.exposure);
   if (common.json)
-    print_json({{"output", output}, {"width", frame.width}, {"height", frame.height}, {"samples_per_pixel", trace.samples_per_pixel}});
+    print_json({{"output", output},
+                {"width", frame.width},
+                {"height", frame.height},
+                {"samples_per_pixel", frame.rays_per_pixel},
+                {"noise", noise_of_objects(*loaded, frame)},
+                {"max_radiance", loaded->settings.max_radiance}});
 }
 
 }  // namespace vitrine

@@ -107,6 +107,7 @@ GridOfImage grid_of(const ImageView& image) {
   grid.width = static_cast<int>(image.directory().width());
   grid.height = static_cast<int>(image.directory().height());
   grid.paths_per_pixel = static_cast<int>(image.directory().paths_per_pixel());
+  grid.noise_db = image.directory().noise_db();
   for (const fb::Axis* axis : *image.directory().axes()) grid.axes.emplace_back(axis->name()->str(), static_cast<int>(axis->samples()));
   return grid;
 }
