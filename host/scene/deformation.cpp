@@ -66,7 +66,8 @@ void repair_tangents(Geometry& g) {
     const glm::vec3 t = glm::vec3(g.tangents[i]) - g.normals[i] * glm::dot(g.normals[i], glm::vec3(g.tangents[i]));
     const float length = glm::length(t), w = g.tangents[i].w < 0 ? -1.0f : 1.0f;
     const glm::vec3 other = std::abs(g.normals[i].x) < 0.9f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-    g.tangents[i] = glm::vec4(length > 1e-12f && std::isfinite(length) ? t / length : glm::normalize(glm::cross(g.normals[i], other)), w);
+    const bool usable = length > 1e-12f && std::isfinite(length);
+    g.tangents[i] = glm::vec4(usable ? t / length : glm::normalize(glm::cross(g.normals[i], other)), w);
   }
 }
 

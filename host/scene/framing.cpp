@@ -20,11 +20,11 @@ struct DomeGrid {
 };
 DomeGrid dome_grid(const Scene& scene) { return scene.background_is_environment ? DomeGrid{48, 24} : DomeGrid{8, 4}; }
 
-constexpr float kDepthRatio = 10000;    // far / near: what a 24-bit depth buffer bears
-constexpr int64_t kMostPoses = 256;     // of which the motion is judged
-constexpr double kMostDistances = 5e7;  // triangles times poses that are measured
-constexpr size_t kMostDeformation = 50'000'000;  // work of all deformed poses, but for the fewest
-constexpr int64_t kFewestDeformedPoses = 16;
+constexpr float kDepthRatio = 10000;              // far / near: what a 24-bit depth buffer bears
+constexpr int64_t kMostPoses = 256;               // of which the motion is judged
+constexpr double kMostDistances = 5e7;            // triangles times poses that are measured
+constexpr size_t kMostDeformation = 200'000'000;  // deformation_work of all poses: a second or two
+constexpr int64_t kFewestDeformedPoses = 8;
 
 struct Box {
   glm::vec3 low{std::numeric_limits<float>::max()}, high{std::numeric_limits<float>::lowest()};
@@ -58,7 +58,8 @@ int64_t most_poses(const Scene& scene) {
 // Samples of the grid, thinned evenly per axis (the ends stay) until there are few enough.
 std::vector<Position> sampled_positions(const Scene& scene) {
   ParameterSpace space = scene.space();
-  while (space.sample_count() > most_poses(scene)) {
+  const int64_t most = most_poses(scene);
+  while (space.sample_count() > most) {
     int longest = 0;
     for (int a = 1; a < space.axis_count; ++a)
       if (space.axes[static_cast<size_t>(a)].samples > space.axes[static_cast<size_t>(longest)].samples) longest = a;

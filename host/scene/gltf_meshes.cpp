@@ -97,7 +97,8 @@ void gather_attributes(GltfDocument& document, const JsonView& attributes, size_
   for (glm::vec4& c : g.colors) c = glm::clamp(c, 0.0f, 1.0f);
 }
 
-MorphTarget read_morph_target(GltfDocument& document, const JsonView& target, size_t vertices, const std::vector<uint32_t>& used) {
+MorphTarget read_morph_target(GltfDocument& document, const JsonView& target, size_t vertices,
+                              const std::vector<uint32_t>& used) {
   return {gather_vec3(document, target, "POSITION", vertices, used), gather_vec3(document, target, "NORMAL", vertices, used),
           gather_vec3(document, target, "TANGENT", vertices, used)};
 }

@@ -89,9 +89,9 @@ struct Deformation;  // deformation.h
 
 // One segment of the picture: a glTF node with a mesh (all its primitives together).
 struct Object {
-  std::string name;  // unique; node name, or mesh name, or "object-N"
-  int node = 0;      // rig node
-  Geometry geometry;  // with skin and morph targets in their rest state
+  std::string name;                                // unique; node name, or mesh name, or "object-N"
+  int node = 0;                                    // rig node
+  Geometry geometry;                               // with skin and morph targets in their rest state
   std::shared_ptr<const Deformation> deformation;  // of an object that an axis deforms; null: it is rigid
   std::string representation = "texture";
   float resolution_scale = 1;
@@ -184,9 +184,9 @@ struct Scene {
 struct Pose {
   std::vector<glm::mat4> world_from_node;
   glm::mat4 world_from_camera{1};
-  int variant = -1;                    // row of Object::variant_materials, or -1
-  std::vector<float> object_emission;  // factor per object
-  std::vector<float> light_emission;   // factor per light
+  int variant = -1;                               // row of Object::variant_materials, or -1
+  std::vector<float> object_emission;             // factor per object
+  std::vector<float> light_emission;              // factor per light
   std::vector<std::vector<float>> morph_weights;  // per object; empty: as at rest
 };
 Pose pose_scene(const Scene& scene, const Position& position);

@@ -1,7 +1,8 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 //
 // The scene as rays meet it: one Embree BVH per object, built once (anew for every pose where an axis deforms it), instanced
-// where the pose puts it; hits, surface points and shadow rays. The backdrop (Object::follows_camera) is no geometry here: rays miss it.
+// where the pose puts it; hits, surface points and shadow rays. The backdrop (Object::follows_camera) is no geometry here: rays
+// miss it.
 //
 // Single-sided materials that do not transmit are not met from behind, by any ray. Shadow rays see alpha as its mean, thin
 // smooth panes as what they let through, and other glass as `through_glass` says.
@@ -51,7 +52,7 @@ struct Shadow {
 // One object as it is posed.
 struct PosedObject {
   const Object* object = nullptr;
-  const Geometry* geometry = nullptr;  // the object's own, or what the pose makes of it
+  const Geometry* geometry = nullptr;          // the object's own, or what the pose makes of it
   const ShadingMaterial* materials = nullptr;  // all of the scene's; index -1 means the last
   size_t material_count = 0;
   const int* triangle_materials = nullptr;

@@ -400,7 +400,8 @@ TEST(Key, ChangesWithWhateverAShapeDependsOn) {
   expect_new_with("vertex", [](Deformation& d) { d.primitives[0].vertices.positions[0].x = 1e-6f; });
   expect_new_with("kind of primitive", [](Deformation& d) { d.primitives[0].parts = PrimitiveParts::kPoints; });
   expect_new_with("displacement", [](Deformation& d) { d.primitives[0].targets[0].positions[0].z = 2; });
-  expect_new_with("displacement of the second", [](Deformation& d) { std::swap(d.primitives[0].targets[0], d.primitives[0].targets[1]); });
+  expect_new_with("displacement of the second",
+                  [](Deformation& d) { std::swap(d.primitives[0].targets[0], d.primitives[0].targets[1]); });
   expect_new_with("displacement of a normal", [](Deformation& d) { d.primitives[0].targets[0].normals.assign(3, {1, 0, 0}); });
   expect_new_with("displacement of a tangent", [](Deformation& d) { d.primitives[0].targets[0].tangents.assign(3, {1, 0, 0}); });
   expect_new_with("influence", [](Deformation& d) { d.primitives[0].influences[1].weight = 0; });

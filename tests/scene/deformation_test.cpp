@@ -35,7 +35,8 @@ void add_animation(Model& m, const std::string& name, const std::vector<Channel>
   json animation = {{"name", name}, {"samplers", json::array()}, {"channels", json::array()}};
   for (const Channel& c : channels) {
     const int input = m.add_floats(c.times, 1), output = m.add_floats(c.values, c.components);
-    animation["channels"].push_back({{"sampler", animation["samplers"].size()}, {"target", {{"node", c.node}, {"path", c.path}}}});
+    animation["channels"].push_back(
+        {{"sampler", animation["samplers"].size()}, {"target", {{"node", c.node}, {"path", c.path}}}});
     animation["samplers"].push_back({{"input", input}, {"output", output}, {"interpolation", c.interpolation}});
   }
   m.json["animations"].push_back(animation);
@@ -45,14 +46,16 @@ std::string axis(const std::string& animation) {
   return "[[axis]]\nname = \"" + animation + "\"\nanimation = \"" + animation + "\"\nsamples = 5\n";
 }
 
-DeformedMesh mesh_at(const Scene& scene, const Position& position) { return deformed_mesh(scene, pose_scene(scene, position), 0); }
+DeformedMesh mesh_at(const Scene& scene, const Position& position) {
+  return deformed_mesh(scene, pose_scene(scene, position), 0);
+}
 
 // The triangle, whose only morph target lifts it by 4 and leans its normals.
 Model lifted_triangle() {
   Model m = Model::triangle();
   m.primitive()["attributes"]["NORMAL"] = m.add_floats({0, 0, 1, 0, 0, 1, 0, 0, 1}, 3);
-  m.primitive()["targets"] = {{{"POSITION", m.add_floats({0, 0, 4, 0, 0, 4, 0, 0, 4}, 3)},
-                               {"NORMAL", m.add_floats({1, 0, 0, 1, 0, 0, 1, 0, 0}, 3)}}};
+  m.primitive()["targets"] = {
+      {{"POSITION", m.add_floats({0, 0, 4, 0, 0, 4, 0, 0, 4}, 3)}, {"NORMAL", m.add_floats({1, 0, 0, 1, 0, 0, 1, 0, 0}, 3)}}};
   return m;
 }
 
@@ -113,7 +116,9 @@ TEST(MorphWeights, SparseTargetsMoveOnlyTheirVertices) {
   Model m = Model::triangle();
   const int at = m.add_view(std::string("\x02", 1)), to = m.add_view(test::bytes_of(std::vector<float>{0, 7, 0}));
   m.json["accessors"].push_back(
-      {{"componentType", 5126}, {"count", 3}, {"type", "VEC3"},
+      {{"componentType", 5126},
+       {"count", 3},
+       {"type", "VEC3"},
        {"sparse", {{"count", 1}, {"indices", {{"bufferView", at}, {"componentType", 5121}}}, {"values", {{"bufferView", to}}}}}});
   m.primitive()["targets"] = {{{"POSITION", m.json["accessors"].size() - 1}}};
   add_animation(m, "lift", {{0, "weights", {0, 1}, {0, 1}, 1}});
@@ -167,15 +172,16 @@ Model bar() {
   attributes["NORMAL"] = m.add_floats({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 1, 0, 0, 0, 0, 1}, 3);  // one leans, to see it turn
   attributes["TANGENT"] = m.add_floats({1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 0, 1, 0, 1, 1, 0, 0, 1}, 4);
   m.primitive()["indices"] = m.add_indices({0, 1, 2, 1, 3, 2, 2, 3, 4, 3, 5, 4});
-  attributes["JOINTS_0"] = m.add_accessor(m.add_view(std::string("\0\1\0\0\0\1\0\0\0\1\0\0\0\1\0\0\0\1\0\0\0\1\0\0", 24)), 5121, 6, "VEC4");
-  attributes["WEIGHTS_0"] =
-      m.add_floats({1, 0, 0, 0, 1, 0, 0, 0, 0.5f, 0.5f, 0, 0, 0.5f, 0.5f, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0}, 4);
+  attributes["JOINTS_0"] =
+      m.add_accessor(m.add_view(std::string("\0\1\0\0\0\1\0\0\0\1\0\0\0\1\0\0\0\1\0\0\0\1\0\0", 24)), 5121, 6, "VEC4");
+  attributes["WEIGHTS_0"] = m.add_floats({1, 0, 0, 0, 1, 0, 0, 0, 0.5f, 0.5f, 0, 0, 0.5f, 0.5f, 0, 0, 0, 1, 0, 0, 0, 1, 0, 0}, 4);
   m.json["nodes"] = {{{"name", "bar"}, {"mesh", 0}, {"skin", 0}, {"translation", {50, 0, 0}}},
                      {{"name", "foot"}, {"children", {2}}},
                      {{"name", "knee"}, {"translation", {0, 1, 0}}}};
   m.json["scenes"][0]["nodes"] = {0, 1};
-  const int inverse = m.add_floats({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1,  //
-                                    1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1}, 16);
+  const int inverse = m.add_floats({1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0,  0, 1,  //
+                                    1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, -1, 0, 1},
+                                   16);
   m.json["accessors"].back()["type"] = "MAT4";
   m.json["skins"] = {{{"joints", {1, 2}}, {"inverseBindMatrices", inverse}}};
   return m;
@@ -286,8 +292,11 @@ Model textured_bar(int mode, const std::vector<uint16_t>& indices) {
 }
 
 TEST(Skin, APoseIsTheMeshOfAFileWithThePoseInIt) {
-  const std::pair<int, std::vector<uint16_t>> shapes[] = {
-      {0, {0, 1, 2, 3, 4, 5}}, {1, {0, 1, 2, 3, 4, 5}}, {3, {0, 1, 3, 2, 4, 5}}, {4, {0, 1, 2, 1, 3, 2, 2, 3, 4, 3, 5, 4}}, {5, {0, 1, 2, 3, 4, 5}}};
+  const std::pair<int, std::vector<uint16_t>> shapes[] = {{0, {0, 1, 2, 3, 4, 5}},
+                                                          {1, {0, 1, 2, 3, 4, 5}},
+                                                          {3, {0, 1, 3, 2, 4, 5}},
+                                                          {4, {0, 1, 2, 1, 3, 2, 2, 3, 4, 3, 5, 4}},
+                                                          {5, {0, 1, 2, 3, 4, 5}}};
   for (const auto& [mode, indices] : shapes) {
     for (const bool normals : {true, false}) {
       SCOPED_TRACE("mode " + std::to_string(mode) + (normals ? "" : ", without normals"));
@@ -359,15 +368,29 @@ TEST(Deformation, FilesThatContradictThemselvesGetOneLineThatSaysHow) {
   };
   const Case cases[] = {
       {"moves morph weights of node 1, which has no morph targets",
-       [](Model& m) { add_animation(m, "a", {{1, "weights", {0, 1}, {0, 1}, 1}}); }},
-      {"has 3 weights, but its 2 keys need 2", [](Model& m) { add_animation(m, "a", {{0, "weights", {0, 1}, {0, 1, 0}, 1}}); }},
+       [](Model& m) {
+         add_animation(m, "a", {{1, "weights", {0, 1}, {0, 1}, 1}});
+       }},
+      {"has 3 weights, but its 2 keys need 2",
+       [](Model& m) {
+         add_animation(m, "a", {{0, "weights", {0, 1}, {0, 1, 0}, 1}});
+       }},
       {"has 2 weights, but its 2 keys need 6",
-       [](Model& m) { add_animation(m, "a", {{0, "weights", {0, 1}, {0, 1}, 1, "CUBICSPLINE"}}); }},
-      {"has 3 components, needed are 1", [](Model& m) { add_animation(m, "a", {{0, "weights", {0, 1}, {0, 0, 0, 1, 1, 1}, 3}}); }},
+       [](Model& m) {
+         add_animation(m, "a", {{0, "weights", {0, 1}, {0, 1}, 1, "CUBICSPLINE"}});
+       }},
+      {"has 3 components, needed are 1",
+       [](Model& m) {
+         add_animation(m, "a", {{0, "weights", {0, 1}, {0, 0, 0, 1, 1, 1}, 3}});
+       }},
       {"is not a finite number",
-       [](Model& m) { add_animation(m, "a", {{0, "weights", {0, 1}, {0, std::numeric_limits<float>::quiet_NaN()}, 1}}); }},
+       [](Model& m) {
+         add_animation(m, "a", {{0, "weights", {0, 1}, {0, std::numeric_limits<float>::quiet_NaN()}, 1}});
+       }},
       {"moves node 0 a second time on the same path",
-       [](Model& m) { add_animation(m, "a", {{0, "weights", {0, 1}, {0, 1}, 1}, {0, "weights", {0, 1}, {0, 1}, 1}}); }},
+       [](Model& m) {
+         add_animation(m, "a", {{0, "weights", {0, 1}, {0, 1}, 1}, {0, "weights", {0, 1}, {0, 1}, 1}});
+       }},
       {"meshes[0]: there are 1 targets, but 2 weights",
        [](Model& m) {
          m.json["nodes"][0]["weights"] = {0, 1};
@@ -395,9 +418,13 @@ TEST(Deformation, FilesThatContradictThemselvesGetOneLineThatSaysHow) {
          add_animation(m, "a", {kKneeTurns});
        }},
       {"meshes[0].primitives[0]: a vertex lies farther than 1e12 metres away",
-       [](Model& m) { add_animation(m, "a", {{0, "weights", {0, 1}, {0, 3e38f}, 1}}); }},
+       [](Model& m) {
+         add_animation(m, "a", {{0, "weights", {0, 1}, {0, 3e38f}, 1}});
+       }},
       {"meshes[0].primitives[0]: a vertex lies farther than 1e12 metres away",
-       [](Model& m) { add_animation(m, "a", {{1, "scale", {0, 1}, {1, 1, 1, 3e38f, 3e38f, 3e38f}, 3}}); }},
+       [](Model& m) {
+         add_animation(m, "a", {{1, "scale", {0, 1}, {1, 1, 1, 3e38f, 3e38f, 3e38f}, 3}});
+       }},
   };
   for (const Case& c : cases) {
     SCOPED_TRACE(c.error);
@@ -413,7 +440,8 @@ TEST(Deformation, TwoAxesOnTheSameWeightsAreAnError) {
         add_animation(m, "b", {{0, "weights", {0, 1}, {1, 0}, 1}});
       },
       axis("a") + axis("b"));
-  EXPECT_NE(error.find("axis 2 (\"b\"): it drives the morph targets of \"bar\", which another axis drives already"), std::string::npos)
+  EXPECT_NE(error.find("axis 2 (\"b\"): it drives the morph targets of \"bar\", which another axis drives already"),
+            std::string::npos)
       << error;
 }
 
@@ -431,7 +459,8 @@ TEST(Deformation, RealModelsMoveAndStayInOnePiece) {
       SCOPED_TRACE(file.string() + ", " + name);
       const Folder folder;
       std::filesystem::copy_file(file, folder.path() / "model.glb");
-      folder.write("scene.toml", "scene = \"model.glb\"\n" + std::string("[[axis]]\nname = \"a\"\nsamples = 5\nanimation = \"") + name + "\"\n");
+      folder.write("scene.toml", "scene = \"model.glb\"\n" + std::string("[[axis]]\nname = \"a\"\nsamples = 5\nanimation = \"") +
+                                     name + "\"\n");
       const auto scene = load_scene(folder.path());
       const float radius = bounds_of(*scene).radius;
       for (size_t o = 0; o < scene->objects.size(); ++o) {
