@@ -221,7 +221,7 @@ void GltfMeshes::prepare_for_textures(const JsonView& place, MeshPrimitive& prim
     if (!normal_map) normal_map = normal_map_of(material);
     for_textures(material, [&](const TextureRef& ref) {
       const size_t set = static_cast<size_t>(ref.texcoord);
-      if (!g.texcoords[set].empty()) return;
+      if (!g.texcoords[set].empty() || !primitive.vertices.texcoords[set].empty()) return;  // lines may all be points at rest
       document_.warn(fmt::format("{} has a texture but no TEXCOORD_{}; (0, 0) is taken", place.where(), ref.texcoord));
       g.texcoords[set].assign(g.positions.size(), glm::vec2(0));
       primitive.vertices.texcoords[set].assign(primitive.vertices.positions.size(), glm::vec2(0));

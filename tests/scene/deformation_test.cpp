@@ -42,6 +42,18 @@ void add_animation(Model& m, const std::string& name, const std::vector<Channel>
   m.json["animations"].push_back(animation);
 }
 
+// A picture of one texel for the material's texture of this name.
+void add_texture(Model& m, const std::string& name) {
+  const std::string png = {
+      "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\1\0\0\0\1\x08\2\0\0\0\x90wS\xde\0\0\0\x0cIDATx\xda\x63\xf8\xcf\xc0\0\0\3\1\1\0\xc9\xfe"
+      "\x92\xef\0\0\0\0IEND\xae\x42\x60\x82",
+      69};
+  m.json["images"] = {{{"bufferView", m.add_view(png)}}};
+  m.json["textures"] = {{{"source", 0}}};
+  json& material = m.json["materials"][0];
+  (name == "normalTexture" ? material : material["pbrMetallicRoughness"])[name]["index"] = 0;
+}
+
 std::string axis(const std::string& animation) {
   return "[[axis]]\nname = \"" + animation + "\"\nanimation = \"" + animation + "\"\nsamples = 5\n";
 }
@@ -161,6 +173,23 @@ TEST(MorphWeights, WhatHasNoAreaAtRestIsSeenWhereItOpens) {
   EXPECT_TRUE(std::isfinite(scene->camera.near_distance) && std::isfinite(scene->camera.far_distance));
 }
 
+TEST(MorphWeights, LinesThatArePointsAtRestKeepTheirTextureCoordinates) {
+  Model m = Model::triangle();
+  m.primitive()["mode"] = 1;
+  m.primitive()["indices"] = m.add_indices({0, 1});
+  m.primitive()["attributes"]["POSITION"] = m.add_floats({0, 0, 0, 0, 0, 0, 0, 0, 0}, 3);
+  m.primitive()["attributes"]["TEXCOORD_0"] = m.add_floats({0.25f, 0.5f, 0.75f, 0.5f, 0, 0}, 2);
+  m.primitive()["targets"] = {{{"POSITION", m.add_floats({0, 0, 0, 1, 0, 0, 0, 0, 0}, 3)}}};
+  add_texture(m, "baseColorTexture");
+  add_animation(m, "stretch", {{0, "weights", {0, 1}, {0, 1}, 1}});
+  const Folder folder;
+  const auto scene = test::load(folder, m, axis("stretch"));
+  EXPECT_TRUE(mesh_at(*scene, {0}).geometry.indices.empty());
+  const Geometry g = mesh_at(*scene, {1}).geometry;
+  ASSERT_EQ(g.texcoords[0].size(), g.positions.size());
+  EXPECT_EQ(g.texcoords[0][0], glm::vec2(0.25f, 0.5f));
+}
+
 constexpr float kHalf = 0.70710678f;  // sine and cosine of 45 degrees: a rotation by 90
 
 // A bar of two quads from y = 0 to 2, one unit wide, facing +Z; joints at its foot (node 1) and half way (node 2). The foot's
@@ -246,6 +275,17 @@ TEST(Skin, ANodeAboveTheJointsCarriesTheMeshAlong) {
   expect_near(mesh_at(*test::load(folder, m, axis("walk")), {0.5f}).geometry.positions[4], {1, 2, 0});
 }
 
+TEST(Skin, AJointOutsideTheSceneStandsStill) {
+  Model m = bar();
+  m.json["nodes"].push_back({{"name", "elsewhere"}, {"translation", {0, 0, 5}}});
+  m.json["skins"][0]["joints"] = {3, 2};
+  add_animation(m, "bend", {kKneeTurns});
+  const Folder folder;
+  const Geometry g = mesh_at(*test::load(folder, m, axis("bend")), {1}).geometry;
+  expect_near(g.positions[0], {0, 0, 5});
+  expect_near(g.positions[4], {-1, 1, 0});
+}
+
 TEST(Skin, AnAxisThatMovesSomethingElseLeavesTheMeshBaked) {
   Model m = bar();
   m.json["nodes"].push_back({{"name", "lamp"}});
@@ -273,16 +313,10 @@ void expect_same_mesh(const Geometry& a, const Geometry& b) {
   EXPECT_EQ(a.triangle_materials, b.triangle_materials);
 }
 
-// A normal map whose tangents are not in the file, in whatever shape the bar is drawn.
+// The bar with a normal map whose tangents are not in the file, in whatever shape the bar is drawn.
 Model textured_bar(int mode, const std::vector<uint16_t>& indices) {
   Model m = bar();
-  const std::string png = {
-      "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\1\0\0\0\1\x08\2\0\0\0\x90wS\xde\0\0\0\x0cIDATx\xda\x63\xf8\xcf\xc0\0\0\3\1\1\0\xc9\xfe"
-      "\x92\xef\0\0\0\0IEND\xae\x42\x60\x82",
-      69};
-  m.json["images"] = {{{"bufferView", m.add_view(png)}}};
-  m.json["textures"] = {{{"source", 0}}};
-  m.json["materials"][0]["normalTexture"]["index"] = 0;
+  add_texture(m, "normalTexture");
   m.primitive()["attributes"].erase("TANGENT");
   m.primitive()["attributes"]["TEXCOORD_0"] = m.add_floats({0, 1, 1, 1, 0, 0.5f, 1, 0.5f, 0, 0, 1, 0}, 2);
   m.primitive()["mode"] = mode;
