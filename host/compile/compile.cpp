@@ -2,6 +2,7 @@
 #include "host/compile/compile.h"
 
 #include <algorithm>
+#include <bit>
 #include <chrono>
 #include <cmath>
 #include <numeric>
@@ -17,6 +18,7 @@
 #include "host/infer/verification.h"
 #include "host/link/link.h"
 #include "host/plan/plan.h"
+#include "host/scene/deformation.h"
 
 namespace vitrine {
 namespace {
@@ -29,6 +31,20 @@ int views_averaged(const Scene& scene) {
   for (size_t a = 0; a < scene.axes.size(); ++a)
     if (axes >> a & 1) views *= scene.axes[a].shape.samples;
   return views >= 16 ? 8 : views >= 4 ? 2 : 1;
+}
+
+// The target draws rigid meshes.
+void check_rigid(const Scene& scene) {
+  for (size_t o = 0; o < scene.objects.size(); ++o) {
+    const AxisMask axes = deforming_axes(scene, static_cast<int>(o));
+    if (axes == 0) continue;
+    const std::string& axis = scene.axes[static_cast<size_t>(std::countr_zero(axes))].name;
+    throw InputError(scene.file.string(),
+                     "axis \"" + axis + "\" deforms object \"" + scene.objects[o].name +
+                         "\" (morph targets or a skin), but an image holds rigid meshes only",
+                     "leave the axis out, animate nodes without a skin instead, or render stills (vitrine render SCENE --at " +
+                         axis + "=0.5 -o still.png)");
+  }
 }
 
 int64_t render_missing(const Scene& scene, const std::vector<StoreKey>& keys, const Store& store, Progress& progress) {
@@ -213,6 +229,7 @@ CompileReport compile_scene(const Scene& scene, const CompileOptions& options, P
   if (options.image.extension() != ".vit") throw InputError(options.image.string(), "it is not the name of an image", "write -o NAME.vit");
   check_output_file(options.image);
   if (scene.axes.empty()) throw InputError(scene.file.string(), "there is no [[axis]]", "add one (vitrine new shows how), or use vitrine render");
+  check_rigid(scene);
   const Profile profile = options.profile.empty() ? load_profile(scene.settings.profile, scene.file.string() + ": target.profile") : load_profile(options.profile);
   const std::string storage = options.storage.empty() ? scene.settings.storage : options.storage;
   const uint64_t bytes = storage_bytes(storage, scene, options.storage.empty() ? scene.file.string() : "--storage");

@@ -4,6 +4,7 @@
 #include <glm/gtc/type_ptr.hpp>
 
 #include "host/frames/store.h"
+#include "host/scene/deformation.h"
 
 namespace vitrine {
 namespace {
@@ -75,12 +76,40 @@ void append_geometry(KeyBuilder& key, const Geometry& g) {
   append_array(key, g.indices);
 }
 
+// What the mesh of an object that an axis deforms is made from; at which pose, frame_key says.
+void append_deformation(KeyBuilder& key, const Deformation& d) {
+  key.integer(static_cast<int64_t>(d.primitives.size()));
+  for (const MeshPrimitive& p : d.primitives) {
+    key.integer(static_cast<int>(p.parts));
+    append_geometry(key, p.vertices);
+    key.integer(static_cast<int64_t>(p.targets.size()));
+    for (const MorphTarget& target : p.targets) {
+      append_array(key, target.positions);
+      append_array(key, target.normals);
+      append_array(key, target.tangents);
+    }
+    key.integer(static_cast<int64_t>(p.influences_per_vertex));
+    append_array(key, p.influences);
+    append_array(key, p.materials);
+    key.integer(p.tangent_texcoord);
+    for (int i = 0; i < 9; ++i) key.number(glm::value_ptr(p.tangent_transform)[i]);
+  }
+}
+
 void append_object(KeyBuilder& key, const Object& o) {
   key.integer(o.follows_camera);
   if (!o.follows_camera) append_geometry(key, o.geometry);  // the dome is only looked up by direction
   append_array(key, o.geometry.triangle_materials);
   key.integer(static_cast<int64_t>(o.variant_materials.size()));
   for (const auto& row : o.variant_materials) append_array(key, row);
+  if (o.deformation) append_deformation(key, *o.deformation);
+}
+
+// What a pose makes of an object that an axis deforms.
+void append_deformed_pose(KeyBuilder& key, const Scene& scene, const Pose& pose, size_t object) {
+  const MeshPose at = mesh_pose(scene, pose, static_cast<int>(object));
+  append_array(key, at.weights);
+  for (const glm::mat4& joint : at.world_from_bind) append(key, joint);
 }
 
 void append_light(KeyBuilder& key, const Light& l) {
@@ -146,6 +175,7 @@ StoreKey frame_key(const StoreKey& scene_key, const Scene& scene, const Position
     if (scene.objects[i].follows_camera) continue;
     append(key, world_from_object(scene, pose, static_cast<int>(i)));
     key.number(pose.object_emission[i]);
+    if (scene.objects[i].deformation) append_deformed_pose(key, scene, pose, i);
   }
   for (size_t i = 0; i < scene.lights.size(); ++i) {
     append(key, pose.world_from_node[static_cast<size_t>(scene.lights[i].node)]);

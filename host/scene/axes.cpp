@@ -82,6 +82,20 @@ class AxisBuilder {
     scene_.track_data.push_back(std::move(values));
   }
 
+  void add_weight_track(const AxisDescription& description, const GltfTrack& track, std::vector<float> positions,
+                        std::vector<float> values) {
+    const auto source = std::find(model_.object_sources.begin(), model_.object_sources.end(), track.node);
+    if (source == model_.object_sources.end()) return;  // its mesh has nothing to show
+    const int object = static_cast<int>(source - model_.object_sources.begin());
+    for (const WeightTrack& other : scene_.weight_tracks)
+      if (other.object == object)
+        throw InputError(description.place,
+                         "it drives the morph targets of " + in_quotes(names_[static_cast<size_t>(track.node)]) +
+                             ", which another axis drives already",
+                         "let one axis drive them");
+    scene_.weight_tracks.push_back({object, axis_, track.interpolation, std::move(positions), std::move(values)});
+  }
+
   // [0, 1] of the axis is [0, last key] of the animation.
   void add_animation(const AxisDescription& description) {
     const GltfAnimation& animation = model_.animations[static_cast<size_t>(next_animation_++)];
@@ -93,12 +107,15 @@ class AxisBuilder {
           throw InputError(description.place, "two keys of its animation fall together",
                            "remove keys that are closer than float can tell");
       if (track.interpolation == Interpolation::kCubicSpline) scale_tangents(track, animation.duration, values);
-      add_track(description, track.node, track.path, track.interpolation, std::move(positions), std::move(values));
+      if (track.path)
+        add_track(description, track.node, *track.path, track.interpolation, std::move(positions), std::move(values));
+      else
+        add_weight_track(description, track, std::move(positions), std::move(values));
     }
   }
 
   static void scale_tangents(const GltfTrack& track, float duration, std::vector<float>& values) {
-    const size_t n = track.path == TrackPath::kRotation ? 4 : 3;
+    const size_t n = track.components;
     for (size_t k = 0; k < track.times.size(); ++k)
       for (size_t c = 0; c < n; ++c) {
         values[3 * n * k + c] *= duration;

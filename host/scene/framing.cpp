@@ -8,6 +8,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <limits>
 
+#include "host/scene/deformation.h"
 #include "host/scene/shapes.h"
 
 namespace vitrine {
@@ -19,9 +20,11 @@ struct DomeGrid {
 };
 DomeGrid dome_grid(const Scene& scene) { return scene.background_is_environment ? DomeGrid{48, 24} : DomeGrid{8, 4}; }
 
-constexpr float kDepthRatio = 10000;    // far / near: what a 24-bit depth buffer bears
-constexpr int64_t kMostPoses = 256;     // of which the motion is judged
-constexpr double kMostDistances = 5e7;  // triangles times poses that are measured
+constexpr float kDepthRatio = 10000;              // far / near: what a 24-bit depth buffer bears
+constexpr int64_t kMostPoses = 256;               // of which the motion is judged
+constexpr double kMostDistances = 5e7;            // triangles times poses that are measured
+constexpr size_t kMostDeformation = 200'000'000;  // deformation_work of all poses: a second or two
+constexpr int64_t kFewestDeformedPoses = 8;
 
 struct Box {
   glm::vec3 low{std::numeric_limits<float>::max()}, high{std::numeric_limits<float>::lowest()};
@@ -29,6 +32,7 @@ struct Box {
     low = glm::min(low, p);
     high = glm::max(high, p);
   }
+  bool empty() const { return high.x < low.x; }
   std::array<glm::vec3, 8> corners() const {
     std::array<glm::vec3, 8> c;
     for (int i = 0; i < 8; ++i)
@@ -43,10 +47,19 @@ Box box_of(const Geometry& g) {
   return box;
 }
 
+// Deforming a mesh takes its time at every pose.
+int64_t most_poses(const Scene& scene) {
+  size_t work = 1;
+  for (const Object& object : scene.objects)
+    if (object.deformation) work += deformation_work(*object.deformation);
+  return std::clamp(static_cast<int64_t>(kMostDeformation / work), kFewestDeformedPoses, kMostPoses);
+}
+
 // Samples of the grid, thinned evenly per axis (the ends stay) until there are few enough.
 std::vector<Position> sampled_positions(const Scene& scene) {
   ParameterSpace space = scene.space();
-  while (space.sample_count() > kMostPoses) {
+  const int64_t most = most_poses(scene);
+  while (space.sample_count() > most) {
     int longest = 0;
     for (int a = 1; a < space.axis_count; ++a)
       if (space.axes[static_cast<size_t>(a)].samples > space.axes[static_cast<size_t>(longest)].samples) longest = a;
@@ -83,29 +96,52 @@ float distance_to_object(const glm::vec3& eye, const Geometry& g, const glm::mat
   return nearest;
 }
 
+// The shapes of the objects at one pose, with their boxes: those of deformed objects made anew, of the others as they are.
+class PosedShapes {
+ public:
+  explicit PosedShapes(const Scene& scene) : scene_(scene), deformed_(scene.objects.size()) {
+    for (const Object& object : scene.objects) boxes_.push_back(box_of(object.geometry));
+  }
+  void pose(const Pose& pose) {
+    for (size_t o = 0; o < deformed_.size(); ++o) {
+      if (!scene_.objects[o].deformation) continue;
+      deformed_[o] = deformed_shape(scene_, pose, static_cast<int>(o));
+      boxes_[o] = box_of(deformed_[o]);
+    }
+  }
+  const Geometry& shape(size_t object) const {
+    return scene_.objects[object].deformation ? deformed_[object] : scene_.objects[object].geometry;
+  }
+  const Box& box(size_t object) const { return boxes_[object]; }
+
+ private:
+  const Scene& scene_;
+  std::vector<Geometry> deformed_;
+  std::vector<Box> boxes_;
+};
+
 struct DepthRange {
   float nearest = std::numeric_limits<float>::max(), farthest = 0;
 };
 
 DepthRange measure(const Scene& scene) {
   DepthRange range;
-  std::vector<Box> boxes;
+  PosedShapes shapes(scene);
   double triangles = 0;
-  for (const Object& object : scene.objects) {
-    boxes.push_back(box_of(object.geometry));
-    triangles += static_cast<double>(object.geometry.indices.size() / 3);
-  }
+  for (const Object& object : scene.objects) triangles += static_cast<double>(object.geometry.indices.size() / 3);
   const std::vector<Position> positions = sampled_positions(scene);
   const size_t step =
       static_cast<size_t>(std::ceil(std::max(1.0, triangles * static_cast<double>(positions.size()) / kMostDistances)));
   for (size_t k = 0; k < positions.size(); ++k) {
     const Pose pose = pose_scene(scene, positions[k]);
     const glm::vec3 eye(pose.world_from_camera[3]);
+    shapes.pose(pose);
     for (size_t o = 0; o < scene.objects.size(); ++o) {
+      if (shapes.box(o).empty()) continue;
       const glm::mat4 world = world_from_object(scene, pose, static_cast<int>(o));
-      for (const glm::vec3& corner : boxes[o].corners())
+      for (const glm::vec3& corner : shapes.box(o).corners())
         range.farthest = std::max(range.farthest, glm::distance(eye, glm::vec3(world * glm::vec4(corner, 1))));
-      if (k % step == 0) range.nearest = distance_to_object(eye, scene.objects[o].geometry, world, range.nearest);
+      if (k % step == 0) range.nearest = distance_to_object(eye, shapes.shape(o), world, range.nearest);
     }
   }
   return range;
@@ -124,17 +160,17 @@ float depth_share(const Scene& scene) {
 
 Sphere bounds_of(const Scene& scene) {
   Box all;
-  std::vector<Box> boxes;
-  for (const Object& object : scene.objects) boxes.push_back(box_of(object.geometry));
+  PosedShapes shapes(scene);
   for (const Position& position : sampled_positions(scene)) {
     const Pose pose = pose_scene(scene, position);
+    shapes.pose(pose);
     for (size_t o = 0; o < scene.objects.size(); ++o) {
-      if (scene.objects[o].follows_camera) continue;
+      if (scene.objects[o].follows_camera || shapes.box(o).empty()) continue;
       const glm::mat4 world = world_from_object(scene, pose, static_cast<int>(o));
-      for (const glm::vec3& corner : boxes[o].corners()) all.add(glm::vec3(world * glm::vec4(corner, 1)));
+      for (const glm::vec3& corner : shapes.box(o).corners()) all.add(glm::vec3(world * glm::vec4(corner, 1)));
     }
   }
-  if (all.high.x < all.low.x) return {};
+  if (all.empty()) return {};
   return {(all.low + all.high) * 0.5f, std::max(1e-6f, glm::distance(all.low, all.high) / 2)};
 }
 

@@ -77,7 +77,7 @@ glm::vec3 project(const glm::vec3& v, const glm::vec3& normal) { return v - norm
 
 glm::vec3 unit_or_zero(const glm::vec3& v) {
   const float length = glm::length(v);
-  return length > 1e-20f ? v / length : glm::vec3(0);
+  return length > 1e-20f && std::isfinite(length) ? v / length : glm::vec3(0);
 }
 
 float corner_angle(const Geometry& g, const uint32_t* i, int c, const glm::vec3& normal) {

@@ -88,7 +88,8 @@ class GltfReader {
         document_(request.model, request.root, request.bytes, &model_.warnings),
         nodes_(read_nodes(document_)),
         materials_(document_, &model_.materials, &model_.images),
-        carries_skin_(nodes_.size(), false) {}
+        moves_(nodes_.order.size(), false),
+        morphs_(nodes_.order.size(), false) {}
 
   GltfModel read() {
     model_.nodes = nodes_.rig;
@@ -98,17 +99,28 @@ class GltfReader {
     std::vector<int> variants;
     for (const std::string& name : request_.variants)
       variants.push_back(find_name(document_.file(), "material variant", name, model_.variant_names));
+    read_animations();
     GltfMeshes meshes(document_, materials_, &model_.materials, variants);
     for (size_t i = 0; i < nodes_.order.size(); ++i) read_node(static_cast<int>(i), meshes);
-    for (const std::string& name : request_.animations) {
-      const int index = find_name(document_.file(), "animation", name, model_.animation_names);
-      model_.animations.push_back(read_animation(document_, nodes_, carries_skin_, index));
-      model_.animations.back().name = name;
-    }
     return std::move(model_);
   }
 
  private:
+  // Before the meshes: of those that are deformed more is kept.
+  void read_animations() {
+    for (const std::string& name : request_.animations) {
+      const int index = find_name(document_.file(), "animation", name, model_.animation_names);
+      model_.animations.push_back(read_animation(document_, nodes_, index));
+      model_.animations.back().name = name;
+      for (const GltfTrack& track : model_.animations.back().tracks)
+        (track.path ? moves_ : morphs_)[static_cast<size_t>(track.node)] = true;
+    }
+    for (size_t n = 0; n < moves_.size(); ++n) {
+      const int parent = nodes_.rig[n].parent;
+      if (parent >= 0 && moves_[static_cast<size_t>(parent)]) moves_[n] = true;
+    }
+  }
+
   void read_node(int rig, GltfMeshes& meshes) {
     const JsonView place = document_.element("nodes", nodes_.order[static_cast<size_t>(rig)]);
     if (place.find("mesh")) read_object(place, rig, meshes);
@@ -143,22 +155,20 @@ class GltfReader {
     }
     const int skin = place.index_or_none("skin", "skins", document_.count("skins"));
     if (skin >= 0) {
-      const GltfSkin bound = read_skin(document_, nodes_, skin);
-      for (int joint : bound.joints) mark_skin(joint);
-      instance.joints = bound.matrices;
+      instance.skin = read_skin(document_, nodes_, skin);
       object.node = identity_node();
     }
+    const std::vector<SkinJoint>& joints = instance.skin.joints;
+    instance.joints_are_moved = std::any_of(joints.begin(), joints.end(), [&](const SkinJoint& joint) {
+      return joint.node >= 0 && moves_[static_cast<size_t>(joint.node)];
+    });
+    instance.weights_are_driven = morphs_[static_cast<size_t>(rig)];
     if (!meshes.read(instance, object)) return;
     object.name = nodes_.names[static_cast<size_t>(rig)];
     if (object.name.empty()) object.name = document_.element("meshes", instance.mesh).text_or("name", "");
     if (model_.objects.size() >= kMaxObjects - 64) place.fail("the scene has more than 4032 meshes", "join some of them");
     model_.objects.push_back(std::move(object));
     model_.object_sources.push_back(rig);
-  }
-
-  void mark_skin(int node) {
-    for (; node >= 0 && !carries_skin_[static_cast<size_t>(node)]; node = nodes_.parent[static_cast<size_t>(node)])
-      carries_skin_[static_cast<size_t>(node)] = true;
   }
 
   // Skinned meshes stand in the scene's own space (glTF 2.0, section 3.7.3.3): one root for all of them.
@@ -176,7 +186,8 @@ class GltfReader {
   GltfDocument document_;
   GltfNodes nodes_;
   GltfMaterials materials_;
-  std::vector<bool> carries_skin_;
+  std::vector<bool> moves_;   // per rig node: an animation moves it, or a node above it
+  std::vector<bool> morphs_;  // per rig node: an animation drives the weights of its morph targets
   int identity_node_ = -1;
 };
 

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -23,8 +24,9 @@ struct GltfCamera {
 
 // One animated property. Times ascend strictly and are not negative; values as RigTrack::values, tangents per second.
 struct GltfTrack {
-  int node = 0;  // rig node
-  TrackPath path = TrackPath::kTranslation;
+  int node = 0;                   // rig node
+  std::optional<TrackPath> path;  // none: the weights of the node's morph targets
+  size_t components = 3;          // floats per value: 3, 4 (rotations) or the number of morph targets
   Interpolation interpolation = Interpolation::kLinear;
   std::vector<float> times, values;
 };

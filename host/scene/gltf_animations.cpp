@@ -9,12 +9,11 @@
 #include <set>
 
 #include "host/scene/gltf_accessors.h"
+#include "host/scene/gltf_meshes.h"
 #include "host/scene/text.h"
 
 namespace vitrine {
 namespace {
-
-constexpr const char* kBakedRemedy = "bake it into node transforms, or leave this animation out of the axes";
 
 std::optional<TrackPath> path_of(const std::string& path) {
   if (path == "translation") return TrackPath::kTranslation;
@@ -52,19 +51,29 @@ void normalize_rotations(const JsonView& output, GltfTrack& track) {
   }
 }
 
-GltfTrack read_sampler(GltfDocument& document, const JsonView& sampler, TrackPath path) {
+// Floats per value of a channel.
+size_t components_of(GltfDocument& document, const JsonView& channel, int node, std::optional<TrackPath> path) {
+  if (path) return path == TrackPath::kRotation ? 4 : 3;
+  const int mesh = document.element("nodes", node).index_or_none("mesh", "meshes", document.count("meshes"));
+  const size_t targets = mesh < 0 ? 0 : morph_target_count(document.element("meshes", mesh));
+  if (targets == 0) channel.fail(fmt::format("moves morph weights of node {}, which has no morph targets", node));
+  return targets;
+}
+
+GltfTrack read_sampler(GltfDocument& document, const JsonView& sampler, std::optional<TrackPath> path, size_t components) {
   GltfTrack track;
   track.path = path;
+  track.components = components;
   track.interpolation = interpolation_of(sampler);
   const JsonView input = sampler.at("input"), output = sampler.at("output");
   track.times = read_floats(document, input, 1);
   check_times(input, track.times);
-  const size_t components = path == TrackPath::kRotation ? 4 : 3;
-  track.values = read_floats(document, output, static_cast<int>(components));
+  const size_t per_value = path ? components : 1;  // weights are listed one by one
+  track.values = read_floats(document, output, static_cast<int>(per_value));
   const size_t needed = track.times.size() * components * (track.interpolation == Interpolation::kCubicSpline ? 3 : 1);
   if (track.values.size() != needed)
-    output.fail(fmt::format("has {} values, but its {} keys need {}", track.values.size() / components, track.times.size(),
-                            needed / components));
+    output.fail(fmt::format("has {} {}, but its {} keys need {}", track.values.size() / per_value, path ? "values" : "weights",
+                            track.times.size(), needed / per_value));
   if (path == TrackPath::kRotation) normalize_rotations(output, track);
   return track;
 }
@@ -78,30 +87,28 @@ std::vector<std::string> animation_names(const GltfDocument& document) {
   return names;
 }
 
-GltfAnimation read_animation(GltfDocument& document, const GltfNodes& nodes, const std::vector<bool>& carries_skin,
-                             int animation) {
+GltfAnimation read_animation(GltfDocument& document, const GltfNodes& nodes, int animation) {
   const JsonView place = document.element("animations", animation);
   const JsonView channels = place.at("channels"), samplers = place.at("samplers");
   GltfAnimation result;
-  std::set<std::pair<int, TrackPath>> targets;
+  std::set<std::pair<int, std::optional<TrackPath>>> targets;
   for (size_t c = 0; c < channels.size(); ++c) {
     const JsonView target = channels[c].at("target");
     const int node = target.index_or_none("node", "nodes", nodes.size());
     const std::optional<TrackPath> path = path_of(target.at("path").text());
-    if (!path && target.at("path").text() == "weights")
-      channels[c].fail("moves morph weights, which an axis cannot do", kBakedRemedy);
-    if (!path || node < 0) {
+    const bool weights = target.at("path").text() == "weights";
+    if ((!path && !weights) || node < 0) {
       document.warn(channels[c].where() + " moves no node that is known and is not followed");
       continue;
     }
-    if (carries_skin[static_cast<size_t>(node)])
-      channels[c].fail(fmt::format("moves node {}, on which a skin hangs; an axis cannot do this", node), kBakedRemedy);
     if (!targets.insert({node, *path}).second)
       channels[c].fail(fmt::format("moves node {} a second time on the same path", node));
-    if (document.element("nodes", node).find("matrix")) channels[c].fail(fmt::format("moves node {}, which has a matrix", node));
+    if (path && document.element("nodes", node).find("matrix"))
+      channels[c].fail(fmt::format("moves node {}, which has a matrix", node));
     const int sampler = channels[c].index_or_none("sampler", "samplers", samplers.size());
     if (sampler < 0) channels[c].fail("names no sampler");
-    GltfTrack track = read_sampler(document, samplers[static_cast<size_t>(sampler)], *path);
+    const size_t components = components_of(document, channels[c], node, path);
+    GltfTrack track = read_sampler(document, samplers[static_cast<size_t>(sampler)], path, components);
     result.duration = std::max(result.duration, track.times.back());
     track.node = nodes.rig_of[static_cast<size_t>(node)];
     if (track.node >= 0) result.tracks.push_back(std::move(track));

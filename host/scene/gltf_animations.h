@@ -11,10 +11,7 @@
 
 namespace vitrine {
 
-// `carries_skin`: per glTF node, whether a skin hangs on it or on what is below it; an animation that moves such a node, or
-// morph weights, cannot be followed.
-GltfAnimation read_animation(GltfDocument& document, const GltfNodes& nodes, const std::vector<bool>& carries_skin,
-                             int animation);
+GltfAnimation read_animation(GltfDocument& document, const GltfNodes& nodes, int animation);
 // Names of all animations, "animation N" (N from 0) where the file gives none.
 std::vector<std::string> animation_names(const GltfDocument& document);
 

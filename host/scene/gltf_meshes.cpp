@@ -4,11 +4,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
-#include <glm/gtc/matrix_inverse.hpp>
 
-#include "host/scene/geometry.h"
 #include "host/scene/gltf_accessors.h"
+#include "host/scene/text.h"
 #include "host/scene/thin_solids.h"
 
 namespace vitrine {
@@ -21,6 +19,10 @@ enum : int64_t { kPoints = 0, kLines = 1, kLineLoop = 2, kLineStrip = 3, kTriang
 
 // Vertices of a part of the primitive: a point, a line or a triangle.
 uint32_t corners_per_part(int64_t mode) { return mode == kPoints ? 1 : mode < kTriangles ? 2 : 3; }
+
+PrimitiveParts parts_of_mode(int64_t mode) {
+  return mode == kPoints ? PrimitiveParts::kPoints : mode < kTriangles ? PrimitiveParts::kLines : PrimitiveParts::kTriangles;
+}
 
 // How many triangles `n` listed vertices make at most.
 size_t most_triangles(int64_t mode, size_t n) {
@@ -95,28 +97,25 @@ void gather_attributes(GltfDocument& document, const JsonView& attributes, size_
   for (glm::vec4& c : g.colors) c = glm::clamp(c, 0.0f, 1.0f);
 }
 
-// Morph targets at rest (glTF 2.0, section 3.7.2.2).
-void apply_morph(GltfDocument& document, const JsonView& target, float weight, size_t vertices, const std::vector<uint32_t>& used,
-                 Geometry& g) {
-  if (weight == 0) return;
-  const std::vector<glm::vec3> positions = gather_vec3(document, target, "POSITION", vertices, used);
-  const std::vector<glm::vec3> normals = gather_vec3(document, target, "NORMAL", vertices, used);
-  const std::vector<glm::vec3> tangents = gather_vec3(document, target, "TANGENT", vertices, used);
-  for (size_t i = 0; i < positions.size(); ++i) g.positions[i] += weight * positions[i];
-  for (size_t i = 0; i < std::min(normals.size(), g.normals.size()); ++i) g.normals[i] += weight * normals[i];
-  for (size_t i = 0; i < std::min(tangents.size(), g.tangents.size()); ++i) g.tangents[i] += glm::vec4(weight * tangents[i], 0);
+MorphTarget read_morph_target(GltfDocument& document, const JsonView& target, size_t vertices,
+                              const std::vector<uint32_t>& used) {
+  return {gather_vec3(document, target, "POSITION", vertices, used), gather_vec3(document, target, "NORMAL", vertices, used),
+          gather_vec3(document, target, "TANGENT", vertices, used)};
 }
 
-void apply_morphs(GltfDocument& document, const JsonView& place, const std::vector<float>& weights, size_t vertices,
-                  const std::vector<uint32_t>& used, Geometry& g) {
+// Targets that no axis drives and that have no weight at rest stay empty.
+std::vector<MorphTarget> read_morph_targets(GltfDocument& document, const JsonView& place, const std::vector<float>& weights,
+                                            bool driven, size_t vertices, const std::vector<uint32_t>& used) {
   const auto targets = place.find("targets");
-  if (!targets) return;
-  if (!weights.empty() && weights.size() != targets->size())
+  if (!targets || weights.empty()) return {};
+  if (weights.size() != targets->size())
     targets->fail(fmt::format("there are {} targets, but {} weights", targets->size(), weights.size()));
-  for (size_t t = 0; t < weights.size(); ++t) apply_morph(document, (*targets)[t], weights[t], vertices, used, g);
+  std::vector<MorphTarget> read(weights.size());
+  for (size_t t = 0; t < weights.size(); ++t)
+    if (driven || weights[t] != 0) read[t] = read_morph_target(document, (*targets)[t], vertices, used);
+  return read;
 }
 
-// Sum of the joints' matrices of one vertex, weighted (glTF 2.0, section 3.7.3.3).
 struct SkinSet {
   Accessor joints, weights;
 };
@@ -134,53 +133,22 @@ std::vector<SkinSet> open_skin_sets(GltfDocument& document, const JsonView& attr
   return sets;
 }
 
-glm::mat4 skin_matrix(const JsonView& place, const std::vector<SkinSet>& sets, const std::vector<glm::mat4>& joints,
-                      uint32_t vertex) {
-  glm::mat4 matrix(0);
-  float sum = 0;
-  for (const SkinSet& set : sets) {
-    for (int c = 0; c < 4; ++c) {
-      const float weight = set.weights.value(vertex, c);
-      const uint32_t joint = set.joints.integer(vertex, c);
-      if (weight == 0) continue;
-      if (joint >= joints.size())
-        place.fail(fmt::format("vertex {} hangs on joint {}, but its skin has {}", vertex, joint, joints.size()));
-      matrix += joints[joint] * weight;
-      sum += weight;
-    }
-  }
-  return sum > 0 ? matrix / sum : glm::mat4(1);
-}
-
-void apply_skin(GltfDocument& document, const JsonView& attributes, const std::vector<glm::mat4>& joints, size_t vertices,
-                const std::vector<uint32_t>& used, Geometry& g) {
+// On which of `joints` joints the used vertices hang; a joint without weight need not be one of them.
+void read_influences(GltfDocument& document, const JsonView& attributes, size_t joints, size_t vertices,
+                     const std::vector<uint32_t>& used, MeshPrimitive& primitive) {
   const std::vector<SkinSet> sets = open_skin_sets(document, attributes, vertices);
-  if (sets.empty()) return;
-  for (size_t i = 0; i < used.size(); ++i) {
-    const glm::mat4 m = skin_matrix(attributes, sets, joints, used[i]);
-    g.positions[i] = glm::vec3(m * glm::vec4(g.positions[i], 1));
-    const glm::mat3 linear(m);
-    if (!g.normals.empty() && std::abs(glm::determinant(linear)) > 1e-20f)
-      g.normals[i] = glm::inverseTranspose(linear) * g.normals[i];
-    if (!g.tangents.empty()) g.tangents[i] = glm::vec4(linear * glm::vec3(g.tangents[i]), g.tangents[i].w);
-  }
-}
-
-void check_finite(const JsonView& place, const Geometry& g) {
-  constexpr float kFarthest = 1e12f;  // metres; squares of it are far from overflow
-  for (const glm::vec3& p : g.positions)
-    for (int c = 0; c < 3; ++c)
-      if (!(std::abs(p[c]) < kFarthest)) place.fail("a vertex lies farther than 1e12 metres away");
-}
-
-// Tangents of unit length, in the surface, with handedness 1 or -1.
-void repair_tangents(Geometry& g) {
-  for (size_t i = 0; i < g.tangents.size(); ++i) {
-    const glm::vec3 t = glm::vec3(g.tangents[i]) - g.normals[i] * glm::dot(g.normals[i], glm::vec3(g.tangents[i]));
-    const float length = glm::length(t), w = g.tangents[i].w < 0 ? -1.0f : 1.0f;
-    const glm::vec3 other = std::abs(g.normals[i].x) < 0.9f ? glm::vec3(1, 0, 0) : glm::vec3(0, 1, 0);
-    g.tangents[i] = glm::vec4(length > 1e-12f ? t / length : glm::normalize(glm::cross(g.normals[i], other)), w);
-  }
+  primitive.influences_per_vertex = 4 * sets.size();
+  document.charge(used.size() * primitive.influences_per_vertex * sizeof(SkinInfluence), attributes);
+  primitive.influences.reserve(used.size() * primitive.influences_per_vertex);
+  for (const uint32_t vertex : used)
+    for (const SkinSet& set : sets)
+      for (int c = 0; c < 4; ++c) {
+        const float weight = set.weights.value(vertex, c);
+        const uint32_t joint = weight == 0 ? 0 : set.joints.integer(vertex, c);
+        if (joint >= joints)
+          attributes.fail(fmt::format("vertex {} hangs on joint {}, but its skin has {}", vertex, joint, joints));
+        primitive.influences.push_back({joint, weight});
+      }
 }
 
 void for_textures(const Material& m, auto&& visit) {
@@ -245,71 +213,107 @@ std::vector<int> GltfMeshes::materials_of(const JsonView& place) {
   return materials;
 }
 
-void GltfMeshes::read_primitive(const JsonView& place, const std::vector<float>& weights, const MeshInstance& instance,
-                                Object& object) {
+// The materials' textures need coordinates, and a normal map tangents.
+void GltfMeshes::prepare_for_textures(const JsonView& place, MeshPrimitive& primitive, Geometry& g) {
+  const TextureRef* normal_map = nullptr;
+  for (const int m : primitive.materials) {
+    const Material& material = (*scene_materials_)[static_cast<size_t>(m)];
+    if (!normal_map) normal_map = normal_map_of(material);
+    for_textures(material, [&](const TextureRef& ref) {
+      const size_t set = static_cast<size_t>(ref.texcoord);
+      if (!g.texcoords[set].empty() || !primitive.vertices.texcoords[set].empty()) return;  // lines may all be points at rest
+      document_.warn(fmt::format("{} has a texture but no TEXCOORD_{}; (0, 0) is taken", place.where(), ref.texcoord));
+      g.texcoords[set].assign(g.positions.size(), glm::vec2(0));
+      primitive.vertices.texcoords[set].assign(primitive.vertices.positions.size(), glm::vec2(0));
+    });
+  }
+  if (!normal_map) return;
+  primitive.tangent_texcoord = normal_map->texcoord;
+  primitive.tangent_transform = normal_map->transform;
+}
+
+std::optional<MeshPrimitive> GltfMeshes::read_vertices(const JsonView& place, const std::vector<float>& weights,
+                                                       const MeshInstance& instance) {
   const int64_t mode = place.integer_or("mode", kTriangles, kPoints, kTriangleFan);
   const JsonView attributes = place.at("attributes");
   const auto position = attributes.find("POSITION");
   document_.charge(kPrimitiveCharge, place);
-  if (!position) return document_.warn(place.where() + " has no positions and is not shown");
+  if (!position) {
+    document_.warn(place.where() + " has no positions and is not shown");
+    return std::nullopt;
+  }
   const size_t vertices = open_accessor(document_, *position, 3, 3).size();
-  Geometry g;
-  g.indices = read_corners(place, vertices, mode);
-  if (g.indices.empty()) return;
-  const std::vector<uint32_t> used = compact(g.indices);
+  MeshPrimitive primitive;
+  primitive.place = document_.file() + ": " + printable(place.where(), 200);
+  primitive.parts = parts_of_mode(mode);
+  primitive.vertices.indices = read_corners(place, vertices, mode);
+  if (primitive.vertices.indices.empty()) return std::nullopt;
+  const std::vector<uint32_t> used = compact(primitive.vertices.indices);
   charge(used.size(), 0, place);
-  gather_attributes(document_, attributes, vertices, used, g);
-  apply_morphs(document_, place, weights, vertices, used, g);
-  if (!instance.joints.empty()) apply_skin(document_, attributes, instance.joints, vertices, used, g);
-  check_finite(place, g);
-  if (mode == kPoints) make_octahedra(g);
-  if (mode > kPoints && mode < kTriangles) make_rods(g);
-  drop_degenerate_triangles(g);
-  if (g.indices.empty()) return;
-  if (g.normals.empty()) {
-    make_flat_normals(g);
-    charge(g.positions.size(), 0, place);
-  } else {
-    repair_normals(g);
-  }
-
-  const std::vector<int> materials = materials_of(place);
-  const TextureRef* normal_map = nullptr;
-  for (const int m : materials) {
-    const Material& material = (*scene_materials_)[static_cast<size_t>(m)];
-    if (!normal_map) normal_map = normal_map_of(material);
-    for_textures(material, [&](const TextureRef& ref) {
-      std::vector<glm::vec2>& uv = g.texcoords[static_cast<size_t>(ref.texcoord)];
-      if (!uv.empty()) return;
-      document_.warn(fmt::format("{} has a texture but no TEXCOORD_{}; (0, 0) is taken", place.where(), ref.texcoord));
-      uv.assign(g.positions.size(), glm::vec2(0));
-    });
-  }
-  if (!g.tangents.empty())
-    repair_tangents(g);
-  else if (normal_map)
-    make_tangents(g, normal_map->texcoord, normal_map->transform);
-  g.triangle_materials.assign(g.indices.size() / 3, materials[0]);
-  for (size_t v = 0; v < variants_.size(); ++v)
-    object.variant_materials[v].insert(object.variant_materials[v].end(), g.triangle_materials.size(), materials[1 + v]);
-  append_geometry(object.geometry, g);
+  gather_attributes(document_, attributes, vertices, used, primitive.vertices);
+  primitive.targets = read_morph_targets(document_, place, weights, instance.weights_are_driven, vertices, used);
+  if (!instance.skin.joints.empty())
+    read_influences(document_, attributes, instance.skin.joints.size(), vertices, used, primitive);
+  return primitive;
 }
 
-bool GltfMeshes::read(const MeshInstance& instance, Object& object) {
-  const JsonView mesh = document_.element("meshes", instance.mesh);
+void GltfMeshes::read_primitive(const JsonView& place, const MeshPose& rest, const MeshInstance& instance, DeformedMesh& mesh,
+                                Deformation* deformation) {
+  std::optional<MeshPrimitive> primitive = read_vertices(place, rest.weights, instance);
+  if (!primitive) return;
+  Geometry g = deformation ? primitive->vertices : std::move(primitive->vertices);
+  const bool flat = g.normals.empty() || primitive->parts != PrimitiveParts::kTriangles;
+  shape_primitive(*primitive, rest, g);
+  if (g.indices.empty() && !deformation) return;  // else it may be seen at another pose
+  if (flat) charge(g.positions.size(), 0, place);
+  primitive->materials = materials_of(place);
+  prepare_for_textures(place, *primitive, g);
+  if (!g.indices.empty()) {
+    add_tangents(*primitive, g);
+    append_primitive(*primitive, std::move(g), mesh);
+  }
+  if (deformation) deformation->primitives.push_back(std::move(*primitive));
+}
+
+std::vector<float> GltfMeshes::rest_weights(const JsonView& mesh, const MeshInstance& instance) const {
   std::vector<float> weights = instance.weights;
   if (const auto own = mesh.find("weights"); own && weights.empty()) {
     weights.resize(own->size());
     own->numbers(weights, -1e6, 1e6);
   }
-  object.variant_materials.assign(variants_.size(), {});
+  if (!instance.weights_are_driven) return weights;
+  const size_t targets = morph_target_count(mesh);
+  if (weights.empty()) weights.resize(targets, 0.0f);
+  if (weights.size() != targets) mesh.fail(fmt::format("there are {} targets, but {} weights", targets, weights.size()));
+  return weights;
+}
+
+bool GltfMeshes::read(const MeshInstance& instance, Object& object) {
+  const JsonView mesh = document_.element("meshes", instance.mesh);
+  const MeshPose rest{rest_weights(mesh, instance), instance.skin.world_from_bind};
+  std::shared_ptr<Deformation> deformation;
+  if (instance.weights_are_driven || instance.joints_are_moved)
+    deformation = std::make_shared<Deformation>(Deformation{{}, rest.weights, instance.skin.joints});
+  DeformedMesh at_rest;
+  at_rest.variant_materials.resize(variants_.size());
   const JsonView primitives = mesh.at("primitives");
-  for (size_t p = 0; p < primitives.size(); ++p) read_primitive(primitives[p], weights, instance, object);
-  const bool same = std::all_of(object.variant_materials.begin(), object.variant_materials.end(),
-                                [&](const std::vector<int>& m) { return m == object.geometry.triangle_materials; });
-  if (same) object.variant_materials.clear();
-  if (object.geometry.indices.empty()) document_.warn(mesh.where() + " has nothing to show");
-  return !object.geometry.indices.empty();
+  for (size_t p = 0; p < primitives.size(); ++p) read_primitive(primitives[p], rest, instance, at_rest, deformation.get());
+  const bool same = std::all_of(at_rest.variant_materials.begin(), at_rest.variant_materials.end(),
+                                [&](const std::vector<int>& m) { return m == at_rest.geometry.triangle_materials; });
+  if (same && !deformation) at_rest.variant_materials.clear();
+  object.geometry = std::move(at_rest.geometry);
+  object.variant_materials = std::move(at_rest.variant_materials);
+  const bool shown = deformation ? !deformation->primitives.empty() : !object.geometry.indices.empty();
+  object.deformation = std::move(deformation);
+  if (!shown) document_.warn(mesh.where() + " has nothing to show");
+  return shown;
+}
+
+size_t morph_target_count(const JsonView& mesh) {
+  const JsonView primitives = mesh.at("primitives");
+  for (size_t p = 0; p < primitives.size(); ++p)
+    if (const auto targets = primitives[p].find("targets")) return targets->size();
+  return 0;
 }
 
 }  // namespace vitrine

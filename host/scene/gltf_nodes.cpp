@@ -56,6 +56,21 @@ glm::mat4 local_matrix(const RigNode& node) {
   return glm::scale(glm::translate(glm::mat4(1), node.translation) * glm::mat4_cast(node.rotation), node.scale) * node.matrix;
 }
 
+// One matrix per joint; identities where the skin has none.
+std::vector<glm::mat4> read_inverse_bind_matrices(GltfDocument& document, const JsonView& skin, size_t joints) {
+  std::vector<glm::mat4> matrices(joints, glm::mat4(1));
+  const auto reference = skin.find("inverseBindMatrices");
+  if (!reference) return matrices;
+  const std::vector<float> values = read_floats(document, *reference, 16);
+  if (values.size() < 16 * joints) reference->fail(fmt::format("has fewer matrices than the skin has joints ({})", joints));
+  for (size_t j = 0; j < joints; ++j) {
+    std::array<float, 16> m{};
+    std::copy_n(values.begin() + static_cast<std::ptrdiff_t>(16 * j), 16, m.begin());
+    matrices[j] = matrix_from(m);
+  }
+  return matrices;
+}
+
 class NodeReader {
  public:
   explicit NodeReader(GltfDocument& document) : document_(document) {}
@@ -167,18 +182,13 @@ GltfSkin read_skin(GltfDocument& document, const GltfNodes& nodes, int skin) {
     const int64_t joint = joints[j].integer(0, INT32_MAX);
     if (static_cast<size_t>(joint) >= nodes.size())
       joints[j].fail(fmt::format("is {}, but there are {} nodes", joint, nodes.size()));
-    result.joints.push_back(static_cast<int>(joint));
-    result.matrices.push_back(nodes.world_at_rest[static_cast<size_t>(joint)]);
+    result.joints.push_back({nodes.rig_of[static_cast<size_t>(joint)], glm::mat4(1)});
+    result.world_from_bind.push_back(nodes.world_at_rest[static_cast<size_t>(joint)]);
   }
-  const auto reference = place.find("inverseBindMatrices");
-  if (!reference) return result;
-  const std::vector<float> inverse = read_floats(document, *reference, 16);
-  if (inverse.size() < 16 * result.joints.size())
-    reference->fail(fmt::format("has fewer matrices than the skin has joints ({})", result.joints.size()));
+  const std::vector<glm::mat4> inverse = read_inverse_bind_matrices(document, place, result.joints.size());
   for (size_t j = 0; j < result.joints.size(); ++j) {
-    std::array<float, 16> m{};
-    std::copy_n(inverse.begin() + static_cast<std::ptrdiff_t>(16 * j), 16, m.begin());
-    result.matrices[j] *= matrix_from(m);
+    result.world_from_bind[j] *= inverse[j];
+    result.joints[j].node_from_bind = result.joints[j].node < 0 ? result.world_from_bind[j] : inverse[j];
   }
   return result;
 }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "host/scene/deformation.h"
 #include "host/scene/gltf_document.h"
 #include "host/scene/scene.h"
 
@@ -25,10 +26,10 @@ struct GltfNodes {
 // Fails on nodes with two parents, on cycles and on transforms that are no transforms.
 GltfNodes read_nodes(GltfDocument& document);
 
-// object-from-bind-space matrices of a skin's joints at rest (glTF 2.0, section 3.7.3), and the joints.
+// A skin (glTF 2.0, section 3.7.3). Joints outside the scene stand still.
 struct GltfSkin {
-  std::vector<int> joints;  // glTF nodes
-  std::vector<glm::mat4> matrices;
+  std::vector<SkinJoint> joints;
+  std::vector<glm::mat4> world_from_bind;  // per joint, at rest
 };
 GltfSkin read_skin(GltfDocument& document, const GltfNodes& nodes, int skin);
 

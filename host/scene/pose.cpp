@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <glm/gtc/matrix_transform.hpp>
 
+#include "host/scene/deformation.h"
 #include "host/scene/scene.h"
 
 namespace vitrine {
@@ -44,6 +45,9 @@ Pose pose_scene(const Scene& scene, const Position& position) {
   if (scene.variant_axis >= 0) pose.variant = nearest[static_cast<size_t>(scene.variant_axis)];
   for (const Object& object : scene.objects) pose.object_emission.push_back(emission_of(object, nearest));
   for (const Light& light : scene.lights) pose.light_emission.push_back(emission_of(light, nearest));
+  pose.morph_weights.resize(scene.objects.size());
+  for (const WeightTrack& track : scene.weight_tracks)
+    pose.morph_weights[static_cast<size_t>(track.object)] = sample_weights(track, position);
   return pose;
 }
 
@@ -69,7 +73,9 @@ AxisMask geometry_axes(const Scene& scene) {
   std::vector<bool> marked(scene.nodes.size());
   mark_path(scene, scene.camera.node, marked);
   for (const Object& object : scene.objects) mark_path(scene, object.node, marked);
-  return axes_moving(scene, marked);
+  AxisMask mask = axes_moving(scene, marked);
+  for (size_t o = 0; o < scene.objects.size(); ++o) mask |= deforming_axes(scene, static_cast<int>(o));
+  return mask;
 }
 
 }  // namespace vitrine

@@ -85,12 +85,14 @@ struct Geometry {
   std::vector<int> triangle_materials;  // index into Scene::materials, one per triangle
 };
 
-// One segment of the picture: a glTF node with a mesh (all its primitives together). Skins and morph targets are applied in
-// their rest state.
+struct Deformation;  // deformation.h
+
+// One segment of the picture: a glTF node with a mesh (all its primitives together).
 struct Object {
-  std::string name;  // unique; node name, or mesh name, or "object-N"
-  int node = 0;      // rig node
-  Geometry geometry;
+  std::string name;                                // unique; node name, or mesh name, or "object-N"
+  int node = 0;                                    // rig node
+  Geometry geometry;                               // with skin and morph targets in their rest state
+  std::shared_ptr<const Deformation> deformation;  // of an object that an axis deforms; null: it is rigid
   std::string representation = "texture";
   float resolution_scale = 1;
   bool follows_camera = false;  // the backdrop: a dome that carries the environment, made by the loader
@@ -132,6 +134,14 @@ struct Axis {
   std::vector<std::string> value_names;  // discrete axes: names of the values, for reports
 };
 
+// Weights of an object's morph targets that an axis drives. Host-only, and therefore no track of the rig.
+struct WeightTrack {
+  int object = 0, axis = 0;
+  Interpolation interpolation = Interpolation::kLinear;
+  std::vector<float> positions;  // as RigTrack::positions
+  std::vector<float> values;     // as RigTrack::values, with one float per morph target
+};
+
 struct Settings {
   int width = 640, height = 480;
   int samples_per_pixel = 64;
@@ -149,6 +159,7 @@ struct Scene {
   std::vector<RigNode> nodes;
   std::vector<RigTrack> tracks;  // spans into track_data
   std::vector<std::vector<float>> track_data;
+  std::vector<WeightTrack> weight_tracks;  // one per object at most
   std::vector<Image> images;
   std::vector<Material> materials;
   std::vector<Object> objects;
@@ -174,9 +185,10 @@ struct Scene {
 struct Pose {
   std::vector<glm::mat4> world_from_node;
   glm::mat4 world_from_camera{1};
-  int variant = -1;                    // row of Object::variant_materials, or -1
-  std::vector<float> object_emission;  // factor per object
-  std::vector<float> light_emission;   // factor per light
+  int variant = -1;                               // row of Object::variant_materials, or -1
+  std::vector<float> object_emission;             // factor per object
+  std::vector<float> light_emission;              // factor per light
+  std::vector<std::vector<float>> morph_weights;  // per object; empty: as at rest
 };
 Pose pose_scene(const Scene& scene, const Position& position);
 glm::mat4 world_from_object(const Scene& scene, const Pose& pose, int object);

@@ -43,7 +43,7 @@ void Lights::add_emitters(const World& world, std::vector<float>& powers) {
   for (size_t o = 0; o < world.objects().size(); ++o) {
     const PosedObject& posed = world.objects()[o];
     if (posed.object->follows_camera || posed.emission <= 0) continue;
-    const Geometry& g = posed.object->geometry;
+    const Geometry& g = *posed.geometry;
     const size_t triangles = g.indices.size() / 3;
     for (size_t t = 0; t < triangles; ++t) {
       const ShadingMaterial& material = posed.material(t);

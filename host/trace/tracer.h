@@ -31,7 +31,8 @@ struct TraceOptions {
 
 class Tracer {
  public:
-  // Keeps a reference to `scene`. Builds acceleration structures per object once; posing moves instances.
+  // Keeps a reference to `scene`. Builds acceleration structures per object once; posing moves instances, and rebuilds the
+  // objects that an axis deforms.
   explicit Tracer(const Scene& scene);
   ~Tracer();
   // Renders the scene at `position`, tiles in parallel on TBB's current arena: one stage of `progress`, which is asked for an

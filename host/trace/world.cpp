@@ -59,7 +59,7 @@ const ShadingMaterial& PosedObject::material(size_t triangle) const {
 }
 
 SurfacePoint PosedObject::point_at(int triangle, float u, float v) const {
-  const Geometry& g = object->geometry;
+  const Geometry& g = *geometry;
   const uint32_t* corner = &g.indices[3 * static_cast<size_t>(triangle)];
   const float w = 1 - u - v;
   SurfacePoint point;
@@ -88,34 +88,31 @@ World::World(const Scene& scene) : scene_(scene), materials_(prepare_materials(s
   root_ = rtcNewScene(device_);
   const size_t count = scene.objects.size();
   objects_.resize(count);
+  deformed_.resize(count);
   object_scenes_.assign(count, nullptr);
   instances_.assign(count, nullptr);
   for (size_t i = 0; i < count; ++i) {
     objects_[i].object = &scene.objects[i];
+    objects_[i].geometry = scene.objects[i].deformation ? &deformed_[i].geometry : &scene.objects[i].geometry;
     objects_[i].materials = materials_.data();
     objects_[i].material_count = materials_.size();
     objects_[i].scene = &scene;
     if (scene.objects[i].follows_camera) {
       backdrop_ = static_cast<int>(i);
-    } else if (!scene.objects[i].geometry.indices.empty()) {
+    } else if (!objects_[i].geometry->indices.empty()) {
       build_object(i);
     }
   }
 }
 
 World::~World() {
+  for (size_t i = 0; i < objects_.size(); ++i) release_object(i);
   rtcReleaseScene(root_);
-  for (const RTCGeometry g : instances_) {
-    if (g) rtcReleaseGeometry(g);
-  }
-  for (const RTCScene s : object_scenes_) {
-    if (s) rtcReleaseScene(s);
-  }
   rtcReleaseDevice(device_);
 }
 
 void World::build_object(size_t index) {
-  const Geometry& g = scene_.objects[index].geometry;
+  const Geometry& g = *objects_[index].geometry;
   RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
   copy_buffer(mesh, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, g.positions.data(), g.positions.size() * sizeof(glm::vec3),
               sizeof(glm::vec3));
@@ -138,14 +135,32 @@ void World::build_object(size_t index) {
   instances_[index] = instance;
 }
 
+void World::release_object(size_t index) {
+  if (!instances_[index]) return;
+  rtcDetachGeometry(root_, static_cast<unsigned>(index));
+  rtcReleaseGeometry(instances_[index]);
+  rtcReleaseScene(object_scenes_[index]);
+  instances_[index] = nullptr;
+  object_scenes_[index] = nullptr;
+}
+
+// Triangles may come and go from pose to pose, so the BVH is built anew and not refitted.
+void World::deform_object(size_t index) {
+  release_object(index);
+  deformed_[index] = deformed_mesh(scene_, pose_, static_cast<int>(index));
+  if (!deformed_[index].geometry.indices.empty()) build_object(index);
+}
+
 void World::pose(const Position& position) {
   pose_ = pose_scene(scene_, position);
   for (size_t i = 0; i < objects_.size(); ++i) {
     PosedObject& posed = objects_[i];
     const Object& object = *posed.object;
-    const bool varied = pose_.variant >= 0 && static_cast<size_t>(pose_.variant) < object.variant_materials.size();
+    if (object.deformation) deform_object(i);
+    const auto& variants = object.deformation ? deformed_[i].variant_materials : object.variant_materials;
+    const bool varied = pose_.variant >= 0 && static_cast<size_t>(pose_.variant) < variants.size();
     posed.triangle_materials =
-        varied ? object.variant_materials[static_cast<size_t>(pose_.variant)].data() : object.geometry.triangle_materials.data();
+        varied ? variants[static_cast<size_t>(pose_.variant)].data() : posed.geometry->triangle_materials.data();
     posed.world_from_object = world_from_object(scene_, pose_, static_cast<int>(i));
     const glm::mat3 linear(posed.world_from_object);
     posed.scale = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
@@ -181,7 +196,7 @@ bool World::intersect(const Ray& ray, Hit& hit) const {
 
 Surface World::surface_at(const Ray& ray, const Hit& hit) const {
   const PosedObject& posed = objects_[static_cast<size_t>(hit.object)];
-  const Geometry& g = posed.object->geometry;
+  const Geometry& g = *posed.geometry;
   const uint32_t* corner = &g.indices[3 * static_cast<size_t>(hit.triangle)];
   const glm::vec3 barycentric(1 - hit.u - hit.v, hit.u, hit.v);
   const glm::vec3 &a = g.positions[corner[0]], &b = g.positions[corner[1]], &c = g.positions[corner[2]];
@@ -212,7 +227,7 @@ Surface World::surface_at(const Ray& ray, const Hit& hit) const {
 
 void World::apply_normal_maps(const glm::vec3& shading, const glm::vec3& barycentric, Surface& s) const {
   const PosedObject& posed = objects_[static_cast<size_t>(s.object)];
-  const Geometry& g = posed.object->geometry;
+  const Geometry& g = *posed.geometry;
   if (g.tangents.empty()) return;
   const uint32_t* corner = &g.indices[3 * static_cast<size_t>(s.triangle)];
   const glm::vec4 t =

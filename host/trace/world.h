@@ -1,7 +1,8 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 //
-// The scene as rays meet it: one Embree BVH per object, built once, instanced where the pose puts it; hits, surface points and
-// shadow rays. The backdrop (Object::follows_camera) is no geometry here: rays miss it.
+// The scene as rays meet it: one Embree BVH per object, built once (anew for every pose where an axis deforms it), instanced
+// where the pose puts it; hits, surface points and shadow rays. The backdrop (Object::follows_camera) is no geometry here: rays
+// miss it.
 //
 // Single-sided materials that do not transmit are not met from behind, by any ray. Shadow rays see alpha as its mean, thin
 // smooth panes as what they let through, and other glass as `through_glass` says.
@@ -13,6 +14,7 @@
 #include <memory>
 #include <vector>
 
+#include "host/scene/deformation.h"
 #include "host/scene/scene.h"
 #include "host/trace/ray_log.h"
 #include "host/trace/shading_material.h"
@@ -51,6 +53,7 @@ struct Shadow {
 // One object as it is posed.
 struct PosedObject {
   const Object* object = nullptr;
+  const Geometry* geometry = nullptr;          // the object's own, or what the pose makes of it
   const ShadingMaterial* materials = nullptr;  // all of the scene's; index -1 means the last
   size_t material_count = 0;
   const int* triangle_materials = nullptr;
@@ -96,12 +99,15 @@ class World {
 
  private:
   void build_object(size_t index);
+  void release_object(size_t index);
+  void deform_object(size_t index);
   void apply_normal_maps(const glm::vec3& shading, const glm::vec3& barycentric, Surface& surface) const;
 
   const Scene& scene_;
   Pose pose_;
   std::vector<ShadingMaterial> materials_;
   std::vector<PosedObject> objects_;
+  std::vector<DeformedMesh> deformed_;   // parallel to objects_; empty where nothing is deformed
   std::vector<RTCScene> object_scenes_;  // null for the backdrop and empty objects
   std::vector<RTCGeometry> instances_;
   RTCDevice device_ = nullptr;

@@ -13,6 +13,7 @@
 #include "host/base/error.h"
 #include "host/frames/exr.h"
 #include "host/frames/sealed_file.h"
+#include "host/scene/deformation.h"
 
 namespace vitrine {
 namespace {
@@ -360,6 +361,54 @@ TEST(Key, ChangesWithWhateverLightDependsOn) {
     keys.insert(frame_key_of(small_scene(), o).hex());
     EXPECT_EQ(keys.size(), ++expected) << "option " << option;
   }
+}
+
+// Object 2 with two morph targets that axis 0 drives, on a joint at node 3.
+Scene deforming_scene(const std::function<void(Deformation&)>& change = {}) {
+  Scene scene = small_scene();
+  scene.axes.push_back({"shape", {AxisKind::kLinear, 3}, 1, {}});
+  MeshPrimitive primitive;
+  primitive.vertices = scene.objects[2].geometry;
+  primitive.targets.resize(2);
+  primitive.targets[0].positions.assign(3, {0, 0, 1});
+  primitive.influences.assign(3, {0, 1});
+  primitive.influences_per_vertex = 1;
+  primitive.materials = {0};
+  Deformation deformation{{primitive}, {0, 0}, {{3, glm::mat4(1)}}};
+  if (change) change(deformation);
+  scene.objects[2].deformation = std::make_shared<Deformation>(deformation);
+  scene.objects[2].node = 2;
+  scene.weight_tracks.push_back({2, 0, Interpolation::kLinear, {0, 1}, {0, 0, 1, 1}});
+  return scene;
+}
+
+TEST(Key, ChangesWithWhateverAShapeDependsOn) {
+  std::set<std::string> keys = {frame_key_of(small_scene()).hex(), frame_key_of(deforming_scene()).hex()};
+  size_t expected = 2;
+  const auto expect_new = [&](const char* what, const Scene& scene, const Position& position = {}) {
+    keys.insert(frame_key_of(scene, {}, position).hex());
+    EXPECT_EQ(keys.size(), ++expected) << what;
+  };
+  const auto expect_new_with = [&](const char* what, const std::function<void(Deformation&)>& change) {
+    expect_new(what, deforming_scene(change));
+  };
+  expect_new("weights of the pose", deforming_scene(), {0.5f});
+  expect_new("weights at the end", deforming_scene(), {1});
+  Scene moved = deforming_scene();
+  moved.nodes[3].translation.y = 1;
+  expect_new("joint's node", moved);
+  expect_new_with("inverse bind matrix", [](Deformation& d) { d.joints[0].node_from_bind[3].x = 1; });
+  expect_new_with("vertex", [](Deformation& d) { d.primitives[0].vertices.positions[0].x = 1e-6f; });
+  expect_new_with("kind of primitive", [](Deformation& d) { d.primitives[0].parts = PrimitiveParts::kPoints; });
+  expect_new_with("displacement", [](Deformation& d) { d.primitives[0].targets[0].positions[0].z = 2; });
+  expect_new_with("displacement of the second",
+                  [](Deformation& d) { std::swap(d.primitives[0].targets[0], d.primitives[0].targets[1]); });
+  expect_new_with("displacement of a normal", [](Deformation& d) { d.primitives[0].targets[0].normals.assign(3, {1, 0, 0}); });
+  expect_new_with("displacement of a tangent", [](Deformation& d) { d.primitives[0].targets[0].tangents.assign(3, {1, 0, 0}); });
+  expect_new_with("influence", [](Deformation& d) { d.primitives[0].influences[1].weight = 0; });
+  expect_new_with("material", [](Deformation& d) { d.primitives[0].materials = {-1}; });
+  expect_new_with("normal map's coordinates", [](Deformation& d) { d.primitives[0].tangent_texcoord = 1; });
+  expect_new_with("normal map's transform", [](Deformation& d) { d.primitives[0].tangent_transform[2].x = 1; });
 }
 
 TEST(Key, StaysWhereNothingThatIsSeenChanges) {

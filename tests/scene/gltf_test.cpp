@@ -182,24 +182,6 @@ TEST(Gltf, SkinsFollowTheirJointsAndIgnoreTheirNode) {
   EXPECT_EQ(node.translation, glm::vec3(0));
 }
 
-TEST(Gltf, AnAxisThatMovesABoneIsRefused) {
-  Model m = Model::triangle();
-  m.json["nodes"] = {{{"mesh", 0}, {"skin", 0}}, {{"name", "root"}, {"children", {2}}}, {{"name", "bone"}}};
-  m.json["scenes"][0]["nodes"] = {0, 1};
-  m.json["skins"] = {{{"joints", {2}}}};
-  const int times = m.add_floats({0, 1}, 1), values = m.add_floats({0, 0, 0, 1, 1, 1}, 3);
-  for (const int node : {1, 2}) {
-    m.json["animations"] = {{{"name", "wave"},
-                             {"samplers", {{{"input", times}, {"output", values}}}},
-                             {"channels", {{{"sampler", 0}, {"target", {{"node", node}, {"path", "translation"}}}}}}}};
-    const Folder folder;
-    const std::string error =
-        test::error_of([&] { test::load(folder, m, "[[axis]]\nname = \"a\"\nanimation = \"wave\"\nsamples = 2\n"); });
-    EXPECT_NE(error.find("on which a skin hangs; an axis cannot do this: bake it into node transforms"), std::string::npos)
-        << error;
-  }
-}
-
 TEST(Gltf, MaterialsArriveWithTheirExtensions) {
   Model m = Model::triangle();
   m.json["materials"][0] = json::parse(R"({"name": "all", "alphaMode": "MASK", "alphaCutoff": 0.3, "doubleSided": true,

@@ -6,6 +6,7 @@
 #include <limits>
 #include <random>
 
+#include "host/scene/deformation.h"
 #include "tests/scene/scene_files.h"
 
 namespace vitrine {
@@ -407,7 +408,7 @@ TEST(HostileGltf, AnimationsThatCannotDriveAnAxisSayWhy) {
       {{0, kNan}, {0, 0, 0, 1, 1, 1}, {{"node", 0}, {"path", "translation"}}, "element 1 is not a finite number"},
       {{0, 1}, {0, 0, 0}, {{"node", 0}, {"path", "translation"}}, "has 1 values, but its 2 keys need 2"},
       {{0, 1}, {0, 0, 0, 1, 1, 1}, {{"node", 7}, {"path", "translation"}}, "target.node: is 7, but there are 1 nodes"},
-      {{0, 1}, {0, 0, 0, 1, 1, 1}, {{"node", 0}, {"path", "weights"}}, "moves morph weights, which an axis cannot do"},
+      {{0, 1}, {0, 0, 0, 1, 1, 1}, {{"node", 0}, {"path", "weights"}}, "moves morph weights of node 0, which has no morph targets"},
       {{0, 1}, {0, 0, 0, 1, 1, 1}, {{"node", 0}, {"path", "pointer"}}, "moves no node of the scene"},
       {{0, 1}, {0, 0, 0, 1, 1, 1}, {{"node", 0}, {"path", "rotation"}}, "has 3 components, needed are 4"},
   };
@@ -439,6 +440,10 @@ Model rich_model() {
   m.json["nodes"].push_back({{"name", "mover"}, {"mesh", 0}, {"scale", {1, 2, 3}}});
   m.json["scenes"][0]["nodes"].push_back(2);
   add_animation(m, {0, 1}, {0, 0, 0, 1, 1, 1}, {{"node", 2}, {"path", "translation"}});
+  json& animation = m.json["animations"][0];  // moves the bone and drives the weights, too
+  animation["channels"].push_back({{"sampler", 0}, {"target", {{"node", 1}, {"path", "translation"}}}});
+  animation["samplers"].push_back({{"input", animation["samplers"][0]["input"]}, {"output", m.add_floats({0, 1}, 1)}});
+  animation["channels"].push_back({{"sampler", 1}, {"target", {{"node", 0}, {"path", "weights"}}}});
   const int at = m.add_view(std::string("\x01", 1)), to = m.add_view(std::string(12, '\x3f'));
   m.json["accessors"][0]["sparse"] = {
       {"count", 1}, {"indices", {{"bufferView", at}, {"componentType", 5121}}}, {"values", {{"bufferView", to}}}};
@@ -451,6 +456,7 @@ TEST(HostileGltf, RandomDamageNeverCrashesAndAlwaysGivesOneLine) {
   folder.write("scene.toml", "scene = \"model.glb\"\n[[axis]]\nname = \"a\"\nanimation = \"a\"\nsamples = 4\n");
   folder.write("model.glb", whole);
   ASSERT_EQ(test::error_of([&] { load_scene(folder.path()); }), "");
+  ASSERT_NE(load_scene(folder.path())->objects[0].deformation, nullptr);
   std::mt19937 random(20260101);
   int refused = 0;
   constexpr int kRounds = 1500;
@@ -464,7 +470,12 @@ TEST(HostileGltf, RandomDamageNeverCrashesAndAlwaysGivesOneLine) {
     }
     if (random() % 16 == 0) damaged.resize(random() % damaged.size());
     folder.write("model.glb", damaged);
-    const std::string error = test::error_of([&] { load_scene(folder.path()); });
+    const std::string error = test::error_of([&] {
+      const auto scene = load_scene(folder.path());
+      const Pose pose = pose_scene(*scene, {0.5f});
+      for (size_t o = 0; o < scene->objects.size(); ++o)
+        if (scene->objects[o].deformation) deformed_mesh(*scene, pose, static_cast<int>(o));
+    });
     refused += !error.empty();
     ASSERT_EQ(error.find('\n'), std::string::npos) << error;
   }
