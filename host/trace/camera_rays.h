@@ -19,6 +19,7 @@ class CameraRays {
   glm::mat4 world_from_camera_;
   glm::vec2 scale_, size_;
   float near_;
+  float width_, spread_;  // of the cone around a ray: half a pixel
 };
 
 }  // namespace vitrine::trace

@@ -6,7 +6,7 @@ namespace {
 
 constexpr int kMaxScatterings = 64;
 constexpr int kMaxVertices = 256;   // with surfaces that are passed through
-constexpr int kCandidates = 4;      // at the first vertex, whose noise is seen most; one later
+constexpr int kCandidates = 1;      // at the first vertex, whose noise is seen most; one later
 constexpr int kRouletteFrom = 2;    // scatterings after which paths may end early
 constexpr float kRouletteGain = 4;  // they do so below a quarter of their light: the best noise for time in a lit room
 constexpr int kSpecularPaths = 2;   // into the specular lobe of the first hit, per camera ray; twice as many where it dominates
@@ -14,6 +14,8 @@ constexpr float kFaintSpecular = 0.02f,
                 kStrongSpecular = 0.5f;  // its albedo below which one path is enough; above which it dominates
 // Glass reflects little, but what it reflects may be a lamp: of several paths from one point at least this share goes each way.
 constexpr float kLeastChance = 0.25f;
+// The cone of a scattered ray is as wide as this share of a round solid angle that holds its density's direction once.
+constexpr float kConeShare = 0.25f;
 constexpr float kStraightAlpha = 0.25f;  // lobes this wide take light straight through glass
 
 float power_heuristic(float a, float b) {
@@ -33,7 +35,7 @@ bool bends(const ShadingMaterial& m) { return m.solid || !m.smooth; }
 bool points_inside(const Bsdf& bsdf, const glm::vec3& wi) { return bsdf.solid() && bsdf.same_side(wi) == bsdf.inside(); }
 
 Bsdf make_bsdf(const World& world, const Surface& s, const glm::vec4& base_color, const glm::vec3& wo) {
-  const SurfaceParameters p = parameters_at(world.scene(), *s.material, s.point, glm::vec3(base_color));
+  const SurfaceParameters p = parameters_at(world.textures(), *s.material, s.point, glm::vec3(base_color));
   return Bsdf(p, wo, s.geometric, s.shading, s.coat);
 }
 
@@ -106,7 +108,7 @@ CameraSample Integrator::shade(const FirstHit& first, LayerSet layers, Sampler& 
     if (layers.specular) result.specular = follow(path, sampler);
     return result;
   }
-  const glm::vec4 base = base_color_at(world_.scene(), *surface.material, surface.point);
+  const glm::vec4 base = base_color_at(world_.textures(), *surface.material, surface.point);
   if (surface.material->source->unlit) {
     result.diffuse = glm::vec3(base);
     return result;
@@ -171,7 +173,7 @@ glm::vec3 Integrator::follow(Path& path, Sampler& sampler) const {
 
     // Light that the surface gives by itself.
     path.travelled += hit.distance;
-    const glm::vec4 base = base_color_at(world_.scene(), *surface.material, surface.point);
+    const glm::vec4 base = base_color_at(world_.textures(), *surface.material, surface.point);
     if (surface.material->source->unlit) {
       if (path.seen) add(glm::vec3(base), true);
       break;
@@ -192,8 +194,9 @@ glm::vec3 Integrator::follow(Path& path, Sampler& sampler) const {
 
 bool Integrator::advance_through_cut(const Surface& surface, const Hit& hit, Path& path, Sampler& sampler) const {
   if (!surface.material->cut) return false;
-  const float alpha = alpha_at(*surface.material, base_color_at(world_.scene(), *surface.material, surface.point));
+  const float alpha = alpha_at(*surface.material, base_color_at(world_.textures(), *surface.material, surface.point));
   if (sampler.get1d() < alpha) return false;
+  path.ray.width = path.ray.width_at(hit.distance);
   path.ray.origin = leave(surface, path.ray.direction);
   path.ray.t_min = 0;
   path.travelled += hit.distance;
@@ -323,7 +326,9 @@ bool Integrator::scatter(Path& path, const Surface& surface, const Bsdf& bsdf, C
 
 void Integrator::continue_path(Path& path, const Surface& surface, const Bsdf& bsdf, const BsdfSample& sample,
                                const BsdfValue& value, float pdf) const {
-  path.ray = {leave(surface, sample.wi), sample.wi};
+  const float width = path.ray.width_at(surface.distance);
+  const float spread = sample.delta ? path.ray.spread : std::max(path.ray.spread, kConeShare * std::sqrt(kInvPi / pdf));
+  path.ray = {leave(surface, sample.wi), sample.wi, 0, std::numeric_limits<float>::infinity(), width, spread};
   ++path.scatterings;
   const bool bent = sample.transmitted && bends(*surface.material);
   if (sample.transmitted && !bent) return;  // straight on through a pane: lights were sampled through it, too

@@ -8,6 +8,9 @@
 // view takes from diffuse light or adds to it (Bsdf::view_factor() - 1 times `diffuse`, which is the same from everywhere):
 // `specular` may be negative.
 //
+// Textures are filtered over the cone that a ray stands for (Ray::width): half a pixel wide at the camera, after a scattering as
+// wide as a fraction of the lobe. THIS IS A BIAS, a small one: the mean over a part of what the lobe would average.
+//
 // Lights. The first vertex draws four candidate points of lights (later ones draw one), keeps one by its unshadowed contribution
 // (resampling, Talbot et al. 2005; the MIS weights are inside, so the estimate stays unbiased) and sends one shadow ray.
 //

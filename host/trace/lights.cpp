@@ -13,7 +13,7 @@ float mean_emission(const PosedObject& posed, const ShadingMaterial& material, i
   for (int i = 0; i < kSteps * kSteps; ++i) {
     const glm::vec2 u((static_cast<float>(i % kSteps) + 0.5f) / kSteps, (static_cast<float>(i / kSteps) + 0.5f) / kSteps);
     const glm::vec2 b = uniform_triangle(u);
-    sum += luminance(covered_emission_at(*posed.scene, material, posed.point_at(triangle, b.x, b.y)));
+    sum += luminance(covered_emission_at(*posed.textures, material, posed.point_at(triangle, b.x, b.y)));
   }
   return sum / (kSteps * kSteps);
 }
@@ -133,7 +133,7 @@ bool Lights::sample_emitter(const Emitter& e, const glm::vec3& from, const glm::
   sample.radiance = e.radiance;
   if (e.textured) {
     const PosedObject& posed = world_->objects()[static_cast<size_t>(e.object)];
-    sample.radiance = posed.emission * covered_emission_at(*posed.scene, posed.material(static_cast<size_t>(e.triangle)),
+    sample.radiance = posed.emission * covered_emission_at(*posed.textures, posed.material(static_cast<size_t>(e.triangle)),
                                                            posed.point_at(e.triangle, b.x, b.y));
   }
   return true;

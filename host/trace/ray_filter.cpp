@@ -19,13 +19,13 @@ float world_cosine(const PosedObject& posed, const RTCRay& ray, const RTCHit& hi
 glm::vec3 transmittance_of(const PosedObject& posed, const ShadingMaterial& material, const RTCRay& ray, const RTCHit& hit,
                            ShadowContext& context) {
   const SurfacePoint point = posed.point_at(static_cast<int>(hit.primID), hit.u, hit.v);
-  const glm::vec4 base = base_color_at(*posed.scene, material, point);
+  const glm::vec4 base = base_color_at(*posed.textures, material, point);
   const float alpha = alpha_at(material, base);
   glm::vec3 passed(1 - alpha);
   const bool bends = material.solid || !material.smooth;
   if (!material.transmits || alpha == 0 || (bends && !context.may_cross_glass)) return passed;
   const bool leaving = facing(ray, hit) > 0;
-  passed += alpha * straight_transmittance(*posed.scene, material, point, base, world_cosine(posed, ray, hit), leaving);
+  passed += alpha * straight_transmittance(*posed.textures, material, point, base, world_cosine(posed, ray, hit), leaving);
   if (bends) context.crossed_glass = true;
   if (material.solid) {
     const glm::vec3 a = leaving ? material.absorption : -material.absorption;

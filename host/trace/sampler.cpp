@@ -11,7 +11,7 @@ std::array<uint32_t, Sampler::kTableSize> Sampler::make_second_dimension() {
     for (uint32_t bits = i; bits; bits >>= 1, column ^= column >> 1) {
       if (bits & 1) point ^= column;
     }
-    table[i] = reverse_bits(point);
+    table[reverse_bits(i) >> (32 - kTableBits)] = point;
   }
   return table;
 }

@@ -1,9 +1,9 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 //
-// Padded, Owen-scrambled (0,2)-sequences: every pair of dimensions of a pixel is a shuffled and scrambled copy of the first
-// two Sobol' dimensions (Burley, "Practical Hash-based Owen Scrambling", JCGT 2020; scrambling hash by Vegdahl). A sample is a
-// function of (pixel, sample index, seed, dimension) alone, so pictures do not depend on tiles or threads. Deep path vertices,
-// where stratification is lost anyway, draw from a hash.
+// Padded (0,2)-sequences: every pair of dimensions of a pixel is a shuffled and digitally shifted copy of the first two Sobol'
+// dimensions (Kollig & Keller 2002; the shuffle of indices is an Owen scramble by Vegdahl's hash, as in Burley, "Practical
+// Hash-based Owen Scrambling", JCGT 2020). A sample is a function of (pixel, sample index, seed, dimension) alone, so pictures
+// do not depend on tiles or threads. Deep path vertices, where stratification is lost anyway, draw from a hash.
 #pragma once
 
 #include <array>
@@ -34,7 +34,7 @@ class Sampler {
   float get1d() {
     const uint32_t h = next_dimension();
     if (!stratified_) return to_unit(hash_u32(h + index_ * 0x9e3779b9u));
-    return to_unit(reverse_bits(scramble_reversed(shuffled_index(h), h * 0xb5297a4du + 1)));
+    return to_unit(shuffled(h) ^ (h * 0xb5297a4du));
   }
   glm::vec2 get2d() {
     const uint32_t h = next_dimension();
@@ -42,15 +42,14 @@ class Sampler {
       const uint32_t a = hash_u32(h + index_ * 0x9e3779b9u);
       return {to_unit(a), to_unit(hash_u32(a + 0x68e31da4u))};
     }
-    const uint32_t i = shuffled_index(h);
-    const uint32_t x = reverse_bits(scramble_reversed(i, hash_u32(h + 1)));
-    const uint32_t y = reverse_bits(scramble_reversed(kSecondDimension[i], hash_u32(h + 2)));
-    return {to_unit(x), to_unit(y)};
+    const uint32_t x = shuffled(h);
+    return {to_unit(x ^ (h * 0xb5297a4du)), to_unit(kSecondDimension[x >> (32 - kTableBits)] ^ (h * 0x1b56c4f5u))};
   }
 
  private:
   static constexpr uint32_t kTableBits = 12, kTableSize = 1u << kTableBits;
-  static const std::array<uint32_t, kTableSize> kSecondDimension;  // of the Sobol' sequence, bit-reversed
+  // Of the Sobol' sequence, by the first: both are 32-bit fractions, and the first's leading bits are the index reversed.
+  static const std::array<uint32_t, kTableSize> kSecondDimension;
 
   static constexpr uint32_t reverse_bits(uint32_t x) {
     x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
@@ -69,11 +68,10 @@ class Sampler {
   static float to_unit(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
   static std::array<uint32_t, kTableSize> make_second_dimension();
   uint32_t next_dimension() { return hash_u32(pixel_hash_ ^ (dimension_++ * 0x9e3779b9u)); }
-  uint32_t shuffled_index(uint32_t seed) const {
-    return reverse_bits(scramble_reversed(index_reversed_, seed)) & (kTableSize - 1);
-  }
+  // The first Sobol' dimension at a shuffled index: a bit-reversed index. Indices below a power of two stay below it.
+  uint32_t shuffled(uint32_t seed) const { return scramble_reversed(index_reversed_, seed); }
 
-  static constexpr uint32_t kStratifiedVertices = 4;
+  static constexpr uint32_t kStratifiedVertices = 3;
   uint32_t pixel_hash_, index_reversed_, index_;
   uint32_t dimension_ = 0;
   bool stratified_ = true;

@@ -27,6 +27,7 @@ ShadingMaterial prepare(const Material& m, Albedos& albedos) {
   s.culled = !m.double_sided && !s.transmits;
   s.plain = !s.transmits && !s.cut && !s.culled;
   s.smooth = sqr(m.roughness) < kDeltaAlpha;
+  s.normal_mapped = m.normal_texture || m.clearcoat_normal_texture;
   if (!s.solid) return s;
   s.absorption = absorption_of(m);
   if (s.smooth) return s;
@@ -36,19 +37,21 @@ ShadingMaterial prepare(const Material& m, Albedos& albedos) {
   return s;
 }
 
+TexturePoint sharp(const TexturePoint& point) { return {point.uv, {}}; }
+
 // metallic, roughness
-glm::vec2 metallic_roughness_at(const Scene& scene, const Material& m, const SurfacePoint& point) {
+glm::vec2 metallic_roughness_at(const Textures& textures, const Material& m, const SurfacePoint& point) {
   glm::vec2 mr(m.metallic, m.roughness);
   if (m.metallic_roughness_texture) {
-    const glm::vec4 t = fetch_linear(scene, m.metallic_roughness_texture, point.uv);
+    const glm::vec4 t = textures.linear(m.metallic_roughness_texture, point);
     mr *= glm::vec2(t.b, t.g);
   }
   return glm::clamp(mr, glm::vec2(0), glm::vec2(1));
 }
 
-float transmission_at(const Scene& scene, const Material& m, const SurfacePoint& point) {
+float transmission_at(const Textures& textures, const Material& m, const SurfacePoint& point) {
   if (m.transmission <= 0) return 0;
-  return m.transmission * (m.transmission_texture ? fetch_linear(scene, m.transmission_texture, point.uv).r : 1.0f);
+  return m.transmission * (m.transmission_texture ? textures.linear(m.transmission_texture, point).r : 1.0f);
 }
 
 }  // namespace
@@ -63,10 +66,10 @@ std::vector<ShadingMaterial> prepare_materials(const Scene& scene) {
   return prepared;
 }
 
-glm::vec4 base_color_at(const Scene& scene, const ShadingMaterial& material, const SurfacePoint& point) {
+glm::vec4 base_color_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point) {
   const Material& m = *material.source;
   glm::vec4 color = m.base_color * point.color;
-  if (m.base_color_texture) color *= fetch_srgb(scene, m.base_color_texture, point.uv);
+  if (m.base_color_texture) color *= textures.srgb(m.base_color_texture, material.cut ? sharp(point) : static_cast<const TexturePoint&>(point));
   return color;
 }
 
@@ -82,27 +85,27 @@ float alpha_at(const ShadingMaterial& material, const glm::vec4& base_color) {
   return 1;
 }
 
-glm::vec3 emission_at(const Scene& scene, const ShadingMaterial& material, const SurfacePoint& point) {
+glm::vec3 emission_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point) {
   const Material& m = *material.source;
   if (!m.emissive_texture) return m.emissive;
-  return m.emissive * glm::vec3(fetch_srgb(scene, m.emissive_texture, point.uv));
+  return m.emissive * glm::vec3(textures.srgb(m.emissive_texture, sharp(point)));
 }
 
-glm::vec3 covered_emission_at(const Scene& scene, const ShadingMaterial& material, const SurfacePoint& point) {
-  const glm::vec3 emission = emission_at(scene, material, point);
-  return material.cut ? emission * alpha_at(material, base_color_at(scene, material, point)) : emission;
+glm::vec3 covered_emission_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point) {
+  const glm::vec3 emission = emission_at(textures, material, point);
+  return material.cut ? emission * alpha_at(material, base_color_at(textures, material, point)) : emission;
 }
 
-SurfaceParameters parameters_at(const Scene& scene, const ShadingMaterial& material, const SurfacePoint& point,
+SurfaceParameters parameters_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point,
                                 const glm::vec3& base_color) {
   const Material& m = *material.source;
-  const glm::vec2 mr = metallic_roughness_at(scene, m, point);
+  const glm::vec2 mr = metallic_roughness_at(textures, m, point);
   const float metallic = mr.x;
-  const float transmission = transmission_at(scene, m, point);
+  const float transmission = transmission_at(textures, m, point);
   float specular = m.specular;
-  if (m.specular_texture) specular *= fetch_linear(scene, m.specular_texture, point.uv).a;
+  if (m.specular_texture) specular *= textures.linear(m.specular_texture, point).a;
   glm::vec3 specular_color = m.specular_color;
-  if (m.specular_color_texture) specular_color *= glm::vec3(fetch_srgb(scene, m.specular_color_texture, point.uv));
+  if (m.specular_color_texture) specular_color *= glm::vec3(textures.srgb(m.specular_color_texture, point));
 
   const glm::vec3 base = glm::clamp(base_color, glm::vec3(0), glm::vec3(1));
   SurfaceParameters p;
@@ -121,19 +124,19 @@ SurfaceParameters parameters_at(const Scene& scene, const ShadingMaterial& mater
   p.glass_albedo = material.glass_albedo.get();
   p.coat = m.clearcoat;
   if (p.coat > 0) {
-    if (m.clearcoat_texture) p.coat *= fetch_linear(scene, m.clearcoat_texture, point.uv).r;
+    if (m.clearcoat_texture) p.coat *= textures.linear(m.clearcoat_texture, point).r;
     float roughness = m.clearcoat_roughness;
-    if (m.clearcoat_roughness_texture) roughness *= fetch_linear(scene, m.clearcoat_roughness_texture, point.uv).g;
+    if (m.clearcoat_roughness_texture) roughness *= textures.linear(m.clearcoat_roughness_texture, point).g;
     p.coat_alpha = sqr(std::clamp(roughness, 0.0f, 1.0f));
   }
   return p;
 }
 
-glm::vec3 straight_transmittance(const Scene& scene, const ShadingMaterial& material, const SurfacePoint& point,
+glm::vec3 straight_transmittance(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point,
                                  const glm::vec3& base_color, float cosine, bool inside) {
   const Material& m = *material.source;
-  const float metallic = m.metallic <= 0 ? 0 : metallic_roughness_at(scene, m, point).x;
-  const float share = (1 - metallic) * transmission_at(scene, m, point);
+  const float metallic = m.metallic <= 0 ? 0 : metallic_roughness_at(textures, m, point).x;
+  const float share = (1 - metallic) * transmission_at(textures, m, point);
   // Leaving at an angle of total reflection would be black; the straight line stands for the refracted path, which does leave.
   const float reflectance =
       fresnel_dielectric(inside ? safe_sqrt(1 - (1 - cosine * cosine) / sqr(index_of(m))) : cosine, index_of(m));

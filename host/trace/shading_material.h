@@ -21,6 +21,7 @@ struct ShadingMaterial {
   bool culled = false;      // single-sided: rays from behind go on
   bool plain = false;       // every ray that meets it is stopped by it: no filter needed
   bool smooth = false;      // glass that does not blur
+  bool normal_mapped = false;
   glm::vec3 absorption{0};  // per metre, inside of a solid (Beer-Lambert)
   std::shared_ptr<const GlassAlbedo> glass_albedo;
 };
@@ -29,21 +30,22 @@ struct ShadingMaterial {
 std::vector<ShadingMaterial> prepare_materials(const Scene& scene);
 
 // What a point of a surface hands to its material.
-struct SurfacePoint {
-  TexCoords uv{};
+struct SurfacePoint : TexturePoint {
   glm::vec4 color{1};  // vertex colour
 };
 
-glm::vec4 base_color_at(const Scene& scene, const ShadingMaterial& material, const SurfacePoint& point);
+// Cut-outs keep their edges: where alpha counts, the finest level is read.
+glm::vec4 base_color_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point);
 // The share of rays that the surface stops: 0 or 1 where it masks.
 float alpha_at(const ShadingMaterial& material, const glm::vec4& base_color);
-glm::vec3 emission_at(const Scene& scene, const ShadingMaterial& material, const SurfacePoint& point);
+// Always of the finest level: light is found by looking and by sampling it, and must be the same.
+glm::vec3 emission_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point);
 // The same for a surface whose alpha stops only a share of the rays: emission times that share.
-glm::vec3 covered_emission_at(const Scene& scene, const ShadingMaterial& material, const SurfacePoint& point);
-SurfaceParameters parameters_at(const Scene& scene, const ShadingMaterial& material, const SurfacePoint& point,
+glm::vec3 covered_emission_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point);
+SurfaceParameters parameters_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point,
                                 const glm::vec3& base_color);
 // What one crossing of the surface lets through in a straight line, seen under `cosine`; alpha not counted.
-glm::vec3 straight_transmittance(const Scene& scene, const ShadingMaterial& material, const SurfacePoint& point,
+glm::vec3 straight_transmittance(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point,
                                  const glm::vec3& base_color, float cosine, bool inside);
 
 }  // namespace vitrine::trace

@@ -13,7 +13,9 @@
 namespace vitrine::trace {
 namespace {
 
-glm::vec3 transform_point(const glm::mat4& m, const glm::vec3& p) { return glm::vec3(m * glm::vec4(p, 1)); }
+glm::vec3 transform_point(const glm::mat4& m, const glm::vec3& p) {
+  return p.x * glm::vec3(m[0]) + p.y * glm::vec3(m[1]) + p.z * glm::vec3(m[2]) + glm::vec3(m[3]);
+}
 
 float largest_coordinate(const glm::vec3& p) { return max_component(glm::abs(p)); }
 
@@ -41,9 +43,9 @@ RTCRay embree_ray(const Ray& ray) {
 }
 
 // A perturbed normal in the tangent frame of a surface (glTF 2.0, 3.9.3).
-glm::vec3 normal_from_map(const Scene& scene, const TextureRef& map, float scale, const TexCoords& uv, const glm::vec3& tangent,
+glm::vec3 normal_from_map(const Textures& textures, const TextureRef& map, float scale, const TexCoords& uv, const glm::vec3& tangent,
                           const glm::vec3& bitangent, const glm::vec3& normal) {
-  glm::vec3 n = glm::vec3(fetch_linear(scene, map, uv)) * 2.0f - 1.0f;
+  glm::vec3 n = glm::vec3(textures.linear(map, {uv, {}})) * 2.0f - 1.0f;
   n.x *= scale;
   n.y *= scale;
   const glm::vec3 world = n.x * tangent + n.y * bitangent + std::max(n.z, 1e-3f) * normal;
@@ -82,7 +84,7 @@ void commit(RTCScene scene) {
 
 }  // namespace
 
-World::World(const Scene& scene) : scene_(scene), materials_(prepare_materials(scene)) {
+World::World(const Scene& scene) : scene_(scene), textures_(scene), materials_(prepare_materials(scene)) {
   device_ = rtcNewDevice(nullptr);
   if (!device_) throw std::runtime_error("Embree does not start on this machine");
   root_ = rtcNewScene(device_);
@@ -96,7 +98,7 @@ World::World(const Scene& scene) : scene_(scene), materials_(prepare_materials(s
     objects_[i].geometry = scene.objects[i].deformation ? &deformed_[i].geometry : &scene.objects[i].geometry;
     objects_[i].materials = materials_.data();
     objects_[i].material_count = materials_.size();
-    objects_[i].scene = &scene;
+    objects_[i].textures = &textures_;
     if (scene.objects[i].follows_camera) {
       backdrop_ = static_cast<int>(i);
     } else if (!objects_[i].geometry->indices.empty()) {
@@ -111,7 +113,16 @@ World::~World() {
   rtcReleaseDevice(device_);
 }
 
+void World::set_vertices(size_t index) {
+  PosedObject& posed = objects_[index];
+  const Geometry& g = *posed.geometry;
+  posed.vertices.resize(g.positions.size());
+  for (size_t v = 0; v < g.positions.size(); ++v)
+    posed.vertices[v] = {g.positions[v], g.normals[v], g.texcoords[0].empty() ? glm::vec2(0) : g.texcoords[0][v]};
+}
+
 void World::build_object(size_t index) {
+  set_vertices(index);
   const Geometry& g = *objects_[index].geometry;
   RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
   copy_buffer(mesh, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, g.positions.data(), g.positions.size() * sizeof(glm::vec3),
@@ -164,6 +175,8 @@ void World::pose(const Position& position) {
     posed.world_from_object = world_from_object(scene_, pose_, static_cast<int>(i));
     const glm::mat3 linear(posed.world_from_object);
     posed.scale = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
+    posed.volume_scale = std::fabs(glm::determinant(linear));
+    posed.origin_coordinate = largest_coordinate(glm::vec3(posed.world_from_object[3]));
     posed.orientation = glm::determinant(linear) < 0 ? -1.0f : 1.0f;
     posed.normal_from_object = glm::inverseTranspose(linear);
     posed.emission = i < pose_.object_emission.size() ? pose_.object_emission[i] : 1.0f;
@@ -198,30 +211,43 @@ Surface World::surface_at(const Ray& ray, const Hit& hit) const {
   const PosedObject& posed = objects_[static_cast<size_t>(hit.object)];
   const Geometry& g = *posed.geometry;
   const uint32_t* corner = &g.indices[3 * static_cast<size_t>(hit.triangle)];
+  const ShadingVertex &a = posed.vertices[corner[0]], &b = posed.vertices[corner[1]], &c = posed.vertices[corner[2]];
   const glm::vec3 barycentric(1 - hit.u - hit.v, hit.u, hit.v);
-  const glm::vec3 &a = g.positions[corner[0]], &b = g.positions[corner[1]], &c = g.positions[corner[2]];
+  const auto interpolate = [&](const auto& x, const auto& y, const auto& z) {
+    return barycentric.x * x + barycentric.y * y + barycentric.z * z;
+  };
   Surface s;
   s.object = hit.object;
   s.triangle = hit.triangle;
+  s.distance = hit.distance;
   s.material = &posed.material(static_cast<size_t>(hit.triangle));
-  s.position = transform_point(posed.world_from_object, barycentric.x * a + barycentric.y * b + barycentric.z * c);
+  s.position = transform_point(posed.world_from_object, interpolate(a.position, b.position, c.position));
   // Rounding of the interpolation, in the object's space, and of the transform.
-  const float coordinate = std::max({largest_coordinate(a), largest_coordinate(b), largest_coordinate(c)});
-  s.margin = 4e-6f * (posed.scale * coordinate + largest_coordinate(glm::vec3(posed.world_from_object[3])));
-  const glm::vec3 cross = posed.normal_from_object * glm::cross(b - a, c - a);
+  const float coordinate = std::max({largest_coordinate(a.position), largest_coordinate(b.position), largest_coordinate(c.position)});
+  s.margin = 4e-6f * (posed.scale * coordinate + posed.origin_coordinate);
+  const glm::vec3 cross = posed.normal_from_object * glm::cross(b.position - a.position, c.position - a.position);
   const float length = glm::length(cross);
   s.geometric = length > 0 ? cross / length : -ray.direction;
   s.back = glm::dot(s.geometric, ray.direction) > 0;
   s.emission = posed.emission;
-  s.point = posed.point_at(hit.triangle, hit.u, hit.v);
-  const glm::vec3 n = posed.normal_from_object * (barycentric.x * g.normals[corner[0]] + barycentric.y * g.normals[corner[1]] +
-                                                  barycentric.z * g.normals[corner[2]]);
+  const glm::vec3 n = posed.normal_from_object * interpolate(a.normal, b.normal, c.normal);
   const float n_length = glm::length(n);
   s.shading = n_length > 0 ? n / n_length : s.geometric;
   if (glm::dot(s.shading, s.geometric) < 0) s.shading = -s.shading;
   s.coat = s.shading;
-  const Material& m = *s.material->source;
-  if (m.normal_texture || m.clearcoat_normal_texture) apply_normal_maps(s.shading, barycentric, s);
+
+  // The cone's area in texture coordinates: as many as the triangle has for its area.
+  const float width = ray.width_at(hit.distance);
+  const float covered = length > 0 ? width * width / (length * posed.volume_scale) : 0.0f;
+  const auto area = [](const glm::vec2& p, const glm::vec2& q) { return std::fabs(p.x * q.y - p.y * q.x); };
+  s.point.uv[0] = interpolate(a.uv, b.uv, c.uv);
+  s.point.footprint[0] = covered * area(b.uv - a.uv, c.uv - a.uv);
+  if (const auto& t = g.texcoords[1]; !t.empty()) {
+    s.point.uv[1] = interpolate(t[corner[0]], t[corner[1]], t[corner[2]]);
+    s.point.footprint[1] = covered * area(t[corner[1]] - t[corner[0]], t[corner[2]] - t[corner[0]]);
+  }
+  if (!g.colors.empty()) s.point.color = interpolate(g.colors[corner[0]], g.colors[corner[1]], g.colors[corner[2]]);
+  if (s.material->normal_mapped) apply_normal_maps(s.shading, barycentric, s);
   return s;
 }
 
@@ -241,17 +267,17 @@ void World::apply_normal_maps(const glm::vec3& shading, const glm::vec3& barycen
   const glm::vec3 bitangent = glm::cross(shading, tangent) * handedness;
   const Material& m = *s.material->source;
   if (m.normal_texture) {
-    s.shading = normal_from_map(scene_, m.normal_texture, m.normal_scale, s.point.uv, tangent, bitangent, shading);
+    s.shading = normal_from_map(textures_, m.normal_texture, m.normal_scale, s.point.uv, tangent, bitangent, shading);
   }
   if (m.clearcoat_normal_texture) {
-    s.coat = normal_from_map(scene_, m.clearcoat_normal_texture, 1, s.point.uv, tangent, bitangent, shading);
+    s.coat = normal_from_map(textures_, m.clearcoat_normal_texture, 1, s.point.uv, tangent, bitangent, shading);
   }
 }
 
 glm::vec3 World::emission_of(const Surface& surface) const {
   if (!surface.material->emits || surface.emission == 0) return glm::vec3(0);
   if (surface.back && !surface.material->source->double_sided) return glm::vec3(0);
-  return surface.emission * emission_at(scene_, *surface.material, surface.point);
+  return surface.emission * emission_at(textures_, *surface.material, surface.point);
 }
 
 Shadow World::shadow(const Ray& ray, bool through_glass, const glm::vec3& absorption) const {

@@ -24,6 +24,11 @@ namespace vitrine::trace {
 struct Ray {
   glm::vec3 origin, direction;  // unit
   float t_min = 0, t_max = std::numeric_limits<float>::infinity();
+  // The cone that the ray stands for, by which textures are filtered (Akenine-Moller et al., "Texture Level of Detail Strategies
+  // for Real-Time Ray Tracing", 2019): its diameter at the origin, and what that grows by per unit of distance.
+  float width = 0, spread = 0;
+
+  float width_at(float distance) const { return width + spread * distance; }
 };
 
 // Where a ray first meets a surface.
@@ -40,9 +45,16 @@ struct Surface {
   glm::vec3 position{0}, geometric{0, 0, 1}, shading{0, 0, 1};  // unit normals on the triangle's front
   glm::vec3 coat{0, 0, 1};                                      // the coat's normal
   SurfacePoint point;
+  float distance = 0;  // along the ray
   float margin = 0;    // how far from it a ray may start without meeting it again
   float emission = 1;  // factor of the pose
   bool back = false;   // met from behind
+};
+
+// What shading reads of a vertex, in one half of a cache line.
+struct alignas(32) ShadingVertex {
+  glm::vec3 position, normal;
+  glm::vec2 uv;  // of the first set
 };
 
 struct Shadow {
@@ -54,6 +66,7 @@ struct Shadow {
 struct PosedObject {
   const Object* object = nullptr;
   const Geometry* geometry = nullptr;          // the object's own, or what the pose makes of it
+  std::vector<ShadingVertex> vertices;         // of `geometry`
   const ShadingMaterial* materials = nullptr;  // all of the scene's; index -1 means the last
   size_t material_count = 0;
   const int* triangle_materials = nullptr;
@@ -61,8 +74,10 @@ struct PosedObject {
   glm::mat3 normal_from_object{1};  // inverse transpose
   float orientation = 1;            // sign of the determinant
   float scale = 1;                  // largest, of lengths
+  float volume_scale = 1;           // absolute value of the determinant
+  float origin_coordinate = 0;      // largest of the node's translation
   float emission = 1;
-  const Scene* scene = nullptr;
+  const Textures* textures = nullptr;
 
   const ShadingMaterial& material(size_t triangle) const;
   SurfacePoint point_at(int triangle, float u, float v) const;
@@ -90,6 +105,7 @@ class World {
   RTCScene embree_scene() const { return root_; }
 
   const Scene& scene() const { return scene_; }
+  const Textures& textures() const { return textures_; }
   const Pose& current_pose() const { return pose_; }
   const std::vector<PosedObject>& objects() const { return objects_; }
   const std::vector<ShadingMaterial>& materials() const { return materials_; }
@@ -101,9 +117,11 @@ class World {
   void build_object(size_t index);
   void release_object(size_t index);
   void deform_object(size_t index);
+  void set_vertices(size_t index);
   void apply_normal_maps(const glm::vec3& shading, const glm::vec3& barycentric, Surface& surface) const;
 
   const Scene& scene_;
+  Textures textures_;
   Pose pose_;
   std::vector<ShadingMaterial> materials_;
   std::vector<PosedObject> objects_;

@@ -51,7 +51,7 @@ struct Laboratory {
         trace::Sampler sampler(17, 4, static_cast<uint32_t>(s), static_cast<uint32_t>(t + 1));
         const trace::CameraSample c = integrator.trace({from, glm::normalize(direction)}, sampler);
         diffuse[t] += trace::luminance(c.diffuse) / samples;
-        specular[t] += trace::luminance(c.specular) / samples;
+        specular[t] += trace::luminance(c.specular + c.view) / samples;
       }
       sum[t] = diffuse[t] + specular[t];
     }

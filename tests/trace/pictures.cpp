@@ -36,7 +36,7 @@ Scene still_life() {
   return scene;
 }
 
-TraceOptions small() {
+TraceOptions small_picture() {
   TraceOptions options;
   options.width = 50;
   options.height = 38;
@@ -51,7 +51,7 @@ TEST(Picture, LayersTimesCoverageSumToTheCombinedPicture) {
   backdrop.follows_camera = true;
   scene.objects.push_back(backdrop);
   scene.background_object = static_cast<int>(scene.objects.size()) - 1;
-  const Frame frame = Tracer(scene).render({}, small());
+  const Frame frame = Tracer(scene).render({}, small_picture());
   std::vector<glm::vec3> sum(frame.combined.size(), glm::vec3(0));
   std::vector<float> coverage(frame.combined.size(), 0.0f);
   for (const ObjectFrame& o : frame.objects) {
@@ -73,7 +73,7 @@ TEST(Picture, LayersTimesCoverageSumToTheCombinedPicture) {
 
 TEST(Picture, WithoutABackdropCoverageStaysBelowOne) {
   const Scene scene = still_life();
-  const Frame frame = Tracer(scene).render({}, small());
+  const Frame frame = Tracer(scene).render({}, small_picture());
   std::vector<float> coverage(frame.combined.size(), 0.0f);
   for (const ObjectFrame& o : frame.objects) {
     for (int i = 0; i < o.width * o.height; ++i) {
@@ -116,13 +116,13 @@ TEST(Picture, DoesNotDependOnThreadsOrOnWhatWasRenderedBefore) {
   // Four threads even where the machine has fewer cores.
   const tbb::global_control threads(tbb::global_control::max_allowed_parallelism, 4);
   Frame alone, among_others;
-  tbb::task_arena(1).execute([&] { alone = Tracer(scene).render({}, small()); });
+  tbb::task_arena(1).execute([&] { alone = Tracer(scene).render({}, small_picture()); });
   Tracer tracer(scene);
   tbb::task_arena(4).execute([&] {
-    TraceOptions other = small();
+    TraceOptions other = small_picture();
     other.seed = 9;
     tracer.render({}, other);
-    among_others = tracer.render({}, small());
+    among_others = tracer.render({}, small_picture());
   });
   EXPECT_TRUE(same(alone, among_others));
 }
@@ -130,7 +130,7 @@ TEST(Picture, DoesNotDependOnThreadsOrOnWhatWasRenderedBefore) {
 TEST(Picture, SeedsGiveIndependentNoise) {
   const Scene scene = still_life();
   Tracer tracer(scene);
-  TraceOptions options = small();
+  TraceOptions options = small_picture();
   const auto noisy = [&](uint32_t seed) {
     options.seed = seed;
     return tracer.render({}, options).combined;
@@ -151,7 +151,7 @@ TEST(Picture, SeedsGiveIndependentNoise) {
 TEST(Picture, DISABLED_MoreRaysForReflectionsMakeThemCleanerAndNoBrighter) {
   const Scene scene = still_life();
   Tracer tracer(scene);
-  TraceOptions options = small();
+  TraceOptions options = small_picture();
   options.samples_per_pixel = 512;
   const Frame clean = tracer.render({}, options);
   options.samples_per_pixel = 8;
@@ -211,9 +211,9 @@ TEST(Picture, MaxRadianceBoundsOnlyIndirectLight) {
     return peak;
   };
   scene.settings.max_radiance = 1e-6f;
-  const Frame direct = Tracer(scene).render({}, small());
+  const Frame direct = Tracer(scene).render({}, small_picture());
   scene.settings.max_radiance = 0;
-  const Frame all = Tracer(scene).render({}, small());
+  const Frame all = Tracer(scene).render({}, small_picture());
   EXPECT_GT(brightest(direct), 0.05f);
   double direct_sum = 0, sum = 0;
   for (size_t i = 0; i < all.combined.size(); ++i) {
@@ -249,7 +249,7 @@ TEST_P(Reference, RegionsHaveTheMeansOfAnIndependentRenderer) {
           const double x = 2 * (x0 + u.x * w) / width - 1, y = 1 - 2 * (y0 + u.y * h) / height;
           const glm::vec3 d(x * half * width / height, y * half, -1);
           const auto sample = laboratory.integrator.trace({glm::vec3(view[3]), glm::normalize(glm::mat3(view) * d)}, sampler);
-          sum += (sample.diffuse[c] + sample.specular[c]) / kSamples;
+          sum += (sample.diffuse[c] + sample.view[c] + sample.specular[c]) / kSamples;
         }
         return sum;
       });
