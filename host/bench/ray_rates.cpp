@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <memory>
 #include <thread>
 
 #include "host/bench/processor_time.h"
@@ -13,42 +14,75 @@
 #include "host/trace/integrator.h"
 #include "host/trace/ray_log.h"
 #include "host/trace/tracer.h"
+#include "host/trace/warp.h"
 
 namespace vitrine {
 namespace {
 
 constexpr int kWidth = 256, kHeight = 192, kRounds = 5;
 
-struct Logs {
-  trace::RayLog camera, rest;
+trace::Sampler sampler_of(int x, int y, int index) {
+  return {static_cast<uint32_t>(x), static_cast<uint32_t>(y), static_cast<uint32_t>(index), 0};
+}
+
+struct Start {
+  trace::Ray ray;
+  trace::Sampler sampler;
 };
 
-// The same samples as Tracer's, pixel by pixel.
-Logs log_rays(trace::World& world, const Scene& scene, int samples) {
-  const trace::Lights lights(world);
-  trace::PathSettings settings;
-  settings.max_radiance = scene.settings.max_radiance;
-  const trace::Integrator integrator(world, lights, settings);
-  const trace::CameraRays camera(scene.camera, world.current_pose().world_from_camera, kWidth, kHeight);
-  const trace::FilterSampler filter;
-  Logs logs;
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
-      for (int s = 0; s < samples; ++s) {
-        trace::Sampler sampler(static_cast<uint32_t>(x), static_cast<uint32_t>(y), static_cast<uint32_t>(s), 0);
-        sampler.start_vertex(0, 0);
-        const glm::vec2 offset = filter.sample(sampler.get2d());
-        world.log_rays(&logs.camera);
-        const trace::FirstHit first =
-            integrator.meet(camera.ray(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y));
-        world.log_rays(&logs.rest);
-        integrator.shade(first, {}, sampler);
-      }
-    }
+// Everything to trace the middle of the scene's axes, ray by ray.
+struct Bench {
+  Bench(const Scene& scene, const Position& position, int samples)
+      : world(posed(scene, position)),
+        lights(*world),
+        integrator(*world, lights, {scene.settings.max_radiance}),
+        camera(scene.camera, world->current_pose().world_from_camera, kWidth, kHeight) {
+    for (int y = 0; y < kHeight; ++y)
+      for (int x = 0; x < kWidth; ++x)
+        for (int s = 0; s < samples; ++s) log_sample(x, y, s);
+    world->log_rays(&bounces);
+    trace_bounces();
+    world->log_rays(nullptr);
   }
-  world.log_rays(nullptr);
-  return logs;
-}
+
+  static std::unique_ptr<trace::World> posed(const Scene& scene, const Position& position) {
+    auto world = std::make_unique<trace::World>(scene);
+    world->pose(position);
+    return world;
+  }
+
+  // The same as Tracer's, and the start of a path from where it met something.
+  void log_sample(int x, int y, int index) {
+    trace::Sampler sampler = sampler_of(x, y, index);
+    sampler.start_vertex(0, 0);
+    const glm::vec2 offset = filter.sample(sampler.get2d());
+    world->log_rays(&picture);
+    const trace::FirstHit first =
+        integrator.meet(camera.ray(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y));
+    integrator.shade(first, {}, sampler);
+    world->log_rays(nullptr);
+    if (!first.solid) return;
+    const trace::Surface& s = first.surface;
+    const glm::vec3 normal = s.back ? -s.geometric : s.geometric;
+    sampler.start_vertex(9, 0);
+    const glm::vec3 direction = trace::Basis(normal).to_world(trace::cosine_hemisphere(sampler.get2d()));
+    starts.push_back({{s.position + s.margin * normal, direction}, sampler_of(x, y, index)});
+    starts.back().ray.spread = 0.2f;
+  }
+
+  void trace_bounces() {
+    for (Start start : starts) light += integrator.incoming(start.ray, start.sampler);
+  }
+
+  std::unique_ptr<trace::World> world;
+  trace::Lights lights;
+  trace::Integrator integrator;
+  trace::CameraRays camera;
+  trace::FilterSampler filter;
+  trace::RayLog picture, bounces;
+  std::vector<Start> starts;
+  glm::vec3 light{0};  // the sum: no loop may be left out
+};
 
 template <typename Work>
 double least_time(double so_far, double (*clock)(), const Work& work) {
@@ -63,14 +97,7 @@ RayRates measure_ray_rates(const Scene& scene, int samples_per_pixel, Progress& 
   const ParameterSpace space = scene.space();
   Position middle{};
   for (int a = 0; a < space.axis_count; ++a) middle[static_cast<size_t>(a)] = 0.5f;
-  trace::World world(scene);
-  world.pose(middle);
-  const Logs logs = log_rays(world, scene, samples_per_pixel);
-  RayRates rates;
-  rates.camera_rays = logs.camera.size();
-  rates.shadow_rays = logs.rest.shadows();
-  rates.bounce_rays = logs.rest.size() - rates.shadow_rays;
-
+  Bench bench(scene, middle, samples_per_pixel);
   Tracer tracer(scene);
   TraceOptions options;
   options.width = kWidth;
@@ -79,22 +106,27 @@ RayRates measure_ray_rates(const Scene& scene, int samples_per_pixel, Progress& 
   const auto render = [&](int threads) {
     tbb::task_arena(threads).execute([&] { tracer.render(middle, options); });
   };
+
+  constexpr double kNever = std::numeric_limits<double>::infinity();
   const bool two = std::thread::hardware_concurrency() > 1;
-  rates.bare_camera = rates.bare_rest = rates.tracer = rates.wall_one = rates.wall_two = std::numeric_limits<double>::infinity();
+  RayRates rates{{bench.picture.size(), bench.picture.shadows(), kNever, kNever},
+                 {bench.bounces.size(), bench.bounces.shadows(), kNever, kNever},
+                 kNever,
+                 two ? kNever : 0};
   size_t hits = 0;
   progress.begin("measure", kRounds, 0, "rounds");
   for (int round = 0; round < kRounds; ++round) {
-    rates.bare_camera = least_time(rates.bare_camera, processor_seconds, [&] { hits += logs.camera.replay(world); });
-    rates.bare_rest = least_time(rates.bare_rest, processor_seconds, [&] { hits += logs.rest.replay(world); });
+    rates.picture.bare = least_time(rates.picture.bare, processor_seconds, [&] { hits += bench.picture.replay(*bench.world); });
+    rates.bounces.bare = least_time(rates.bounces.bare, processor_seconds, [&] { hits += bench.bounces.replay(*bench.world); });
+    rates.bounces.tracer = least_time(rates.bounces.tracer, processor_seconds, [&] { bench.trace_bounces(); });
     const double start = wall_seconds();
-    rates.tracer = least_time(rates.tracer, processor_seconds, [&] { render(1); });
+    rates.picture.tracer = least_time(rates.picture.tracer, processor_seconds, [&] { render(1); });
     rates.wall_one = std::min(rates.wall_one, wall_seconds() - start);
     if (two) rates.wall_two = least_time(rates.wall_two, wall_seconds, [&] { render(2); });
     progress.advance(1);
   }
   progress.end();
-  if (!two) rates.wall_two = 0;
-  if (hits == 0) rates.bare_rest = 0;  // keeps the loops from being left out
+  if (hits == 0 && bench.light == glm::vec3(0)) return {};  // a scene of nothing
   return rates;
 }
 

@@ -156,6 +156,14 @@ glm::vec3 Integrator::trace_specular(const Path& start, const Surface& surface, 
   return sum / static_cast<float>(paths);
 }
 
+glm::vec3 Integrator::incoming(const Ray& ray, Sampler& sampler) const {
+  Path path;
+  path.ray = ray;
+  path.scatterings = 1;
+  path.vertex = 2;
+  return follow(path, sampler);
+}
+
 glm::vec3 Integrator::follow(Path& path, Sampler& sampler) const {
   glm::vec3 direct(0), indirect(0);
   const auto add = [&](const glm::vec3& light, bool is_direct) { (is_direct ? direct : indirect) += path.throughput * light; };
@@ -344,8 +352,9 @@ void Integrator::continue_path(Path& path, const Surface& surface, const Bsdf& b
     path.share = glm::vec3(1);
     path.share_behind_glass = glm::vec3(1);
     if (path.lights_sampled && settings_.straight_shadows) {
-      const glm::vec3 kept = bsdf.wide(kStraightAlpha) ? glm::vec3(0) : value.specular;
-      path.share_behind_glass = kept / glm::max(value.diffuse + value.specular, glm::vec3(1e-20f));
+      const bool none = is_black(value.specular) || bsdf.wide(kStraightAlpha);
+      path.share_behind_glass =
+          none ? glm::vec3(0) : value.specular / glm::max(value.diffuse + value.specular, glm::vec3(1e-20f));
     }
   }
   if (!bent || !bsdf.solid()) return;

@@ -66,6 +66,8 @@ class Integrator {
   // Draws from sampler vertex 1 on; vertex 0 is the camera's.
   CameraSample shade(const FirstHit& first, LayerSet layers, Sampler& sampler) const;
   CameraSample trace(const Ray& camera_ray, Sampler& sampler) const { return shade(meet(camera_ray), {}, sampler); }
+  // What comes from where a ray goes that was scattered before: a path's rest, for benchmarks.
+  glm::vec3 incoming(const Ray& ray, Sampler& sampler) const;
 
  private:
   struct Direct {

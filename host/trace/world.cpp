@@ -117,12 +117,13 @@ void World::set_vertices(size_t index) {
   PosedObject& posed = objects_[index];
   const Geometry& g = *posed.geometry;
   posed.vertices.resize(g.positions.size());
-  for (size_t v = 0; v < g.positions.size(); ++v)
-    posed.vertices[v] = {g.positions[v], g.normals[v], g.texcoords[0].empty() ? glm::vec2(0) : g.texcoords[0][v]};
+  for (size_t v = 0; v < g.positions.size(); ++v) {
+    posed.vertices[v] = {transform_point(posed.world_from_object, g.positions[v]), posed.normal_from_object * g.normals[v],
+                         g.texcoords[0].empty() ? glm::vec2(0) : g.texcoords[0][v]};
+  }
 }
 
 void World::build_object(size_t index) {
-  set_vertices(index);
   const Geometry& g = *objects_[index].geometry;
   RTCGeometry mesh = rtcNewGeometry(device_, RTC_GEOMETRY_TYPE_TRIANGLE);
   copy_buffer(mesh, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, g.positions.data(), g.positions.size() * sizeof(glm::vec3),
@@ -174,13 +175,12 @@ void World::pose(const Position& position) {
         varied ? variants[static_cast<size_t>(pose_.variant)].data() : posed.geometry->triangle_materials.data();
     posed.world_from_object = world_from_object(scene_, pose_, static_cast<int>(i));
     const glm::mat3 linear(posed.world_from_object);
-    posed.scale = std::max({glm::length(linear[0]), glm::length(linear[1]), glm::length(linear[2])});
-    posed.volume_scale = std::fabs(glm::determinant(linear));
     posed.origin_coordinate = largest_coordinate(glm::vec3(posed.world_from_object[3]));
     posed.orientation = glm::determinant(linear) < 0 ? -1.0f : 1.0f;
     posed.normal_from_object = glm::inverseTranspose(linear);
     posed.emission = i < pose_.object_emission.size() ? pose_.object_emission[i] : 1.0f;
     if (!instances_[i]) continue;
+    set_vertices(i);
     rtcSetGeometryTransform(instances_[i], 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, glm::value_ptr(posed.world_from_object));
     rtcCommitGeometry(instances_[i]);
   }
@@ -221,24 +221,24 @@ Surface World::surface_at(const Ray& ray, const Hit& hit) const {
   s.triangle = hit.triangle;
   s.distance = hit.distance;
   s.material = &posed.material(static_cast<size_t>(hit.triangle));
-  s.position = transform_point(posed.world_from_object, interpolate(a.position, b.position, c.position));
-  // Rounding of the interpolation, in the object's space, and of the transform.
-  const float coordinate = std::max({largest_coordinate(a.position), largest_coordinate(b.position), largest_coordinate(c.position)});
-  s.margin = 4e-6f * (posed.scale * coordinate + posed.origin_coordinate);
-  const glm::vec3 cross = posed.normal_from_object * glm::cross(b.position - a.position, c.position - a.position);
+  s.position = interpolate(a.position, b.position, c.position);
+  // Rounding of the transform to the world and back, which Embree makes of rays, and of the interpolation.
+  s.margin = 4e-6f * (largest_coordinate(glm::max(glm::abs(a.position), glm::max(glm::abs(b.position), glm::abs(c.position)))) +
+                      2 * posed.origin_coordinate);
+  const glm::vec3 cross = posed.orientation * glm::cross(b.position - a.position, c.position - a.position);
   const float length = glm::length(cross);
-  s.geometric = length > 0 ? cross / length : -ray.direction;
+  s.geometric = length > 0 ? cross * (1 / length) : -ray.direction;
   s.back = glm::dot(s.geometric, ray.direction) > 0;
   s.emission = posed.emission;
-  const glm::vec3 n = posed.normal_from_object * interpolate(a.normal, b.normal, c.normal);
+  const glm::vec3 n = interpolate(a.normal, b.normal, c.normal);
   const float n_length = glm::length(n);
-  s.shading = n_length > 0 ? n / n_length : s.geometric;
+  s.shading = n_length > 0 ? n * (1 / n_length) : s.geometric;
   if (glm::dot(s.shading, s.geometric) < 0) s.shading = -s.shading;
   s.coat = s.shading;
 
   // The cone's area in texture coordinates: as many as the triangle has for its area.
   const float width = ray.width_at(hit.distance);
-  const float covered = length > 0 ? width * width / (length * posed.volume_scale) : 0.0f;
+  const float covered = length > 0 ? width * width / length : 0.0f;
   const auto area = [](const glm::vec2& p, const glm::vec2& q) { return std::fabs(p.x * q.y - p.y * q.x); };
   s.point.uv[0] = interpolate(a.uv, b.uv, c.uv);
   s.point.footprint[0] = covered * area(b.uv - a.uv, c.uv - a.uv);

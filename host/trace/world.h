@@ -51,7 +51,7 @@ struct Surface {
   bool back = false;   // met from behind
 };
 
-// What shading reads of a vertex, in one half of a cache line.
+// What shading reads of a vertex, in the world, in one half of a cache line. Normals are not of unit length.
 struct alignas(32) ShadingVertex {
   glm::vec3 position, normal;
   glm::vec2 uv;  // of the first set
@@ -66,15 +66,13 @@ struct Shadow {
 struct PosedObject {
   const Object* object = nullptr;
   const Geometry* geometry = nullptr;          // the object's own, or what the pose makes of it
-  std::vector<ShadingVertex> vertices;         // of `geometry`
+  std::vector<ShadingVertex> vertices;         // of `geometry`, as posed
   const ShadingMaterial* materials = nullptr;  // all of the scene's; index -1 means the last
   size_t material_count = 0;
   const int* triangle_materials = nullptr;
   glm::mat4 world_from_object{1};
   glm::mat3 normal_from_object{1};  // inverse transpose
   float orientation = 1;            // sign of the determinant
-  float scale = 1;                  // largest, of lengths
-  float volume_scale = 1;           // absolute value of the determinant
   float origin_coordinate = 0;      // largest of the node's translation
   float emission = 1;
   const Textures* textures = nullptr;

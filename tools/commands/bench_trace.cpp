@@ -14,21 +14,27 @@ void BenchTraceCommand::run() const {
   const auto progress = make_progress(common);
   const auto loaded = load_scene_with(scene, common, [](Scene&) {});
   const RayRates r = measure_ray_rates(*loaded, samples_per_pixel, *progress);
-  const double rest = static_cast<double>(r.bounce_rays + r.shadow_rays);
-  const double bare = r.rays() / (r.bare_camera + r.bare_rest) * 1e-6, traced = r.rays() / r.tracer * 1e-6;
-  const double bare_rest = rest / r.bare_rest * 1e-6, traced_rest = rest / (r.tracer - r.bare_camera) * 1e-6;
   const double speedup = r.wall_two > 0 ? r.wall_one / r.wall_two : 0;
+  const auto rate = [](const RayRates::Side& side, double seconds) { return static_cast<double>(side.rays) / seconds * 1e-6; };
   if (common.json) {
-    print_json({{"bench", "trace"},
-                {"rows",
-                 {{{"rays", "all"}, {"count", r.rays()}, {"bare_mrays_s", bare}, {"tracer_mrays_s", traced}, {"relative", r.share()}},
-                  {{"rays", "bounces and shadows"}, {"count", rest}, {"bare_mrays_s", bare_rest}, {"tracer_mrays_s", traced_rest}, {"relative", r.share_of_bounces()}}}},
-                {"threads_2_speedup", speedup}});
+    const auto row = [&](const char* name, const RayRates::Side& side) {
+      return nlohmann::json{{"rays", name},
+                            {"count", side.rays},
+                            {"shadow_rays", side.shadow_rays},
+                            {"bare_mrays_s", rate(side, side.bare)},
+                            {"tracer_mrays_s", rate(side, side.tracer)},
+                            {"relative", side.relative()}};
+    };
+    print_json({{"bench", "trace"}, {"rows", {row("bounces", r.bounces), row("picture", r.picture)}}, {"two_threads", speedup}});
     return;
   }
-  fmt::print("one thread           rays   bare Embree      tracer  relative\n");
-  fmt::print("all            {:10.0f}  {:6.2f} Mray/s  {:4.2f} Mray/s  {:7.1f} %\n", r.rays(), bare, traced, 100 * r.share());
-  fmt::print("bounces        {:10.0f}  {:6.2f} Mray/s  {:4.2f} Mray/s  {:7.1f} %   ({} of them shadow rays)\n", rest, bare_rest, traced_rest, 100 * r.share_of_bounces(), r.shadow_rays);
+  fmt::print("one thread           rays  bare Embree loop      tracer  relative\n");
+  const auto print = [&](const char* name, const RayRates::Side& side) {
+    fmt::print("{:<14} {:10}     {:5.2f} Mray/s  {:5.2f} Mray/s  {:6.1f} %   ({:.0f} % shadow rays)\n", name, side.rays, rate(side, side.bare),
+               rate(side, side.tracer), 100 * side.relative(), 100.0 * static_cast<double>(side.shadow_rays) / static_cast<double>(side.rays));
+  };
+  print("bounces", r.bounces);
+  print("whole picture", r.picture);
   if (speedup > 0) fmt::print("two threads: {:.2f} times as fast as one\n", speedup);
 }
 
