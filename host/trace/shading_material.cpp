@@ -51,6 +51,15 @@ float transmission_at(const Scene& scene, const Material& m, const SurfacePoint&
   return m.transmission * (m.transmission_texture ? fetch_linear(scene, m.transmission_texture, point.uv).r : 1.0f);
 }
 
+float specular_at(const Scene& scene, const Material& m, const SurfacePoint& point) {
+  return m.specular * (m.specular_texture ? fetch_linear(scene, m.specular_texture, point.uv).a : 1.0f);
+}
+
+glm::vec3 specular_color_at(const Scene& scene, const Material& m, const SurfacePoint& point) {
+  if (!m.specular_color_texture) return m.specular_color;
+  return m.specular_color * glm::vec3(fetch_srgb(scene, m.specular_color_texture, point.uv));
+}
+
 }  // namespace
 
 std::vector<ShadingMaterial> prepare_materials(const Scene& scene) {
@@ -99,10 +108,8 @@ SurfaceParameters parameters_at(const Scene& scene, const ShadingMaterial& mater
   const glm::vec2 mr = metallic_roughness_at(scene, m, point);
   const float metallic = mr.x;
   const float transmission = transmission_at(scene, m, point);
-  float specular = m.specular;
-  if (m.specular_texture) specular *= fetch_linear(scene, m.specular_texture, point.uv).a;
-  glm::vec3 specular_color = m.specular_color;
-  if (m.specular_color_texture) specular_color *= glm::vec3(fetch_srgb(scene, m.specular_color_texture, point.uv));
+  const float specular = specular_at(scene, m, point);
+  const glm::vec3 specular_color = specular_color_at(scene, m, point);
 
   const glm::vec3 base = glm::clamp(base_color, glm::vec3(0), glm::vec3(1));
   SurfaceParameters p;
@@ -134,10 +141,13 @@ glm::vec3 straight_transmittance(const Scene& scene, const ShadingMaterial& mate
   const Material& m = *material.source;
   const float metallic = m.metallic <= 0 ? 0 : metallic_roughness_at(scene, m, point).x;
   const float share = (1 - metallic) * transmission_at(scene, m, point);
+  inside = inside && material.solid;  // a thin wall has no inside: its back is another front
   // Leaving at an angle of total reflection would be black; the straight line stands for the refracted path, which does leave.
   const float reflectance =
       fresnel_dielectric(inside ? safe_sqrt(1 - (1 - cosine * cosine) / sqr(index_of(m))) : cosine, index_of(m));
-  const glm::vec3 reflected = glm::min(reflectance * m.specular * m.specular_color, glm::vec3(1));
+  // As the BSDF has it: KHR_materials_specular weighs what is reflected on the outside.
+  const glm::vec3 tint = inside ? glm::vec3(1) : specular_at(scene, m, point) * specular_color_at(scene, m, point);
+  const glm::vec3 reflected = glm::min(reflectance * tint, glm::vec3(1));
   return share * (1.0f - reflected) * base_color;
 }
 

@@ -38,14 +38,20 @@ glm::vec4 texel(const Image& image, int x, int y, const Table& rgb) {
   return {rgb[t[0]], rgb[t[1]], rgb[t[2]], kLinear[t[3]]};
 }
 
-// Coordinates beyond this are folded first, so that converting to int is defined.
-float sane(float t) { return std::isfinite(t) ? (std::fabs(t) < 1e6f ? t : std::fmod(t, 2.0f)) : 0.0f; }
+// Far coordinates come near first, to where the wrap mode shows the same, so that texel numbers (sides are at most 16384) fit
+// an int.
+float sane(float t, Wrap mode) {
+  if (!std::isfinite(t)) return 0;
+  if (std::fabs(t) < 1e4f) return t;
+  return mode == Wrap::kClamp ? std::copysign(2.0f, t) : std::fmod(t, 2.0f);
+}
 
 glm::vec4 fetch(const Scene& scene, const TextureRef& ref, const TexCoords& uv, const Table& rgb) {
   const Image& image = scene.images[static_cast<size_t>(ref.image)];
   if (image.width <= 0 || image.height <= 0) return glm::vec4(1);
   const glm::vec3 st = ref.transform * glm::vec3(uv[ref.texcoord == 1 ? 1 : 0], 1);
-  const float x = sane(st.x) * static_cast<float>(image.width), y = sane(st.y) * static_cast<float>(image.height);
+  const float x = sane(st.x, ref.wrap_s) * static_cast<float>(image.width);
+  const float y = sane(st.y, ref.wrap_t) * static_cast<float>(image.height);
   if (ref.nearest) {
     return texel(image, wrap(static_cast<int>(std::floor(x)), image.width, ref.wrap_s),
                  wrap(static_cast<int>(std::floor(y)), image.height, ref.wrap_t), rgb);
