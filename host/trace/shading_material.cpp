@@ -20,7 +20,8 @@ glm::vec3 absorption_of(const Material& m) {
 ShadingMaterial prepare(const Material& m, Albedos& albedos) {
   ShadingMaterial s;
   s.source = &m;
-  s.transmits = m.transmission > 0 && m.metallic < 1 && !m.unlit;
+  const bool all_metal = m.metallic >= 1 && !m.metallic_roughness_texture;
+  s.transmits = m.transmission > 0 && !all_metal && !m.unlit;
   s.solid = s.transmits && m.thickness > 0;
   s.cut = m.alpha_mode != AlphaMode::kOpaque;
   s.emits = !m.unlit && max_component(m.emissive) > 0;

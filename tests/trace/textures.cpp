@@ -45,6 +45,23 @@ TEST(Texture, FarCoordinatesShowWhatTheWrapModeSays) {
   EXPECT_FLOAT_EQ(red_at(scene, Wrap::kMirror, 500001.0f), 1.0f);
 }
 
+// glTF's metallicFactor is 1 by default: that nothing of the glass is metal, its texture may say alone.
+TEST(Texture, GlassWhoseTextureSaysThatItIsNoMetalIsAsSolidAsAnyOther) {
+  Scene scene = scene_with_camera({0, 0, 5}, {0, 0, 0}, 0.5f);
+  set_environment(scene, glm::vec3(1));
+  scene.images.push_back({"no metal", 1, 1, {0, 0, 0, 255}});
+  Material glass = clear_glass(1.5f, 0, 1);
+  glass.metallic = 1;
+  glass.metallic_roughness_texture.image = 0;
+  glass.attenuation_color = glm::vec3(0.4f);
+  glass.attenuation_distance = 0.5f;
+  add_object(scene, make_box({-2, -2, -0.5f}, {2, 2, 0}), add_material(scene, glass), "slab");
+  const double r = 0.04, t = 0.4;  // as ClosedForm.TintedSlabDarkensByItsThickness
+  const double through = (1 - r) * (1 - r) * t / (1 - r * r * t * t);
+  const double back = r + (1 - r) * (1 - r) * r * t * t / (1 - r * r * t * t);
+  EXPECT_ESTIMATE(Laboratory(scene).look({0.2f, 0.1f, 3}, {0, 0, -1}, 16, 256).sum, through + back, 1e-4);
+}
+
 // The light that goes straight through a pane is what its reflection leaves, and a texture may take all of that away.
 TEST(StraightLight, ShadowOfAPaneKnowsItsSpecularTextures) {
   for (const bool by_color : {false, true}) {
