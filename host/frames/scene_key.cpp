@@ -65,6 +65,7 @@ void append_extensions(KeyBuilder& key, const Material& m) {
   key.number(m.clearcoat_roughness);
   append(key, m.clearcoat_roughness_texture);
   append(key, m.clearcoat_normal_texture);
+  key.number(m.clearcoat_normal_scale);
 }
 
 void append_geometry(KeyBuilder& key, const Geometry& g) {

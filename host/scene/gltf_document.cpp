@@ -56,17 +56,19 @@ GltfDocument::GltfDocument(const std::filesystem::path& model, const std::filesy
   const auto normal = [](const std::filesystem::path& p) { return std::filesystem::absolute(p / "").lexically_normal(); };
   const std::filesystem::path inside = top.empty() ? ".." : normal(folder_).lexically_relative(normal(root_));
   if (inside.empty() || *inside.begin() == "..") root_ = folder_;
-  read_container(bytes ? *bytes : read_file(model, kLargestFile));
+  container_ = bytes ? *bytes : read_file(model, kLargestFile);
+  read_container();
+  if (!has_binary_chunk_) container_ = Bytes();
   if (!json_.is_object()) root().fail("must be a JSON object");
   check_asset();
   check_extensions();
 }
 
-void GltfDocument::read_container(Bytes bytes) {
-  loaded_ = bytes.size();
-  if (bytes.empty()) root().fail("the file is empty");
-  if (bytes.size() >= 4 && little_endian(bytes, 0) == kGlbMagic) return read_chunks(bytes);
-  json_ = parse_json(bytes, file_);
+void GltfDocument::read_container() {
+  loaded_ = container_.size();
+  if (container_.empty()) root().fail("the file is empty");
+  if (container_.size() >= 4 && little_endian(container_, 0) == kGlbMagic) return read_chunks(container_);
+  json_ = parse_json(container_, file_);
 }
 
 void GltfDocument::read_chunks(std::span<const uint8_t> bytes) {
@@ -90,7 +92,7 @@ void GltfDocument::read_chunks(std::span<const uint8_t> bytes) {
     if (chunk > 1 && type == kBinaryChunk) root().fail("the GLB's binary chunk is not its second");
     if (chunk != 1 || type != kBinaryChunk) continue;
     has_binary_chunk_ = true;
-    binary_chunk_.assign(data.begin(), data.end());
+    binary_chunk_ = data;
   }
   if (at != length) root().fail("the last GLB chunk is cut short");
 }
@@ -151,14 +153,14 @@ std::span<const uint8_t> GltfDocument::buffer(int index) {
   const size_t length = static_cast<size_t>(place.at("byteLength").integer(1, INT64_C(1) << 40));
   const std::optional<JsonView> uri = place.find("uri");
   if (!uri && !(index == 0 && has_binary_chunk_)) place.fail("has no \"uri\", and there is no binary chunk for it");
-  const Bytes* bytes = &binary_chunk_;
+  std::span<const uint8_t> bytes = binary_chunk_;
   if (uri) {
     auto it = buffers_.find(index);
     if (it == buffers_.end()) it = buffers_.emplace(index, load_uri(*uri)).first;
-    bytes = &it->second;
+    bytes = it->second;
   }
-  if (bytes->size() < length) place.fail(fmt::format("promises {} bytes, but there are {}", length, bytes->size()));
-  return std::span<const uint8_t>(*bytes).first(length);
+  if (bytes.size() < length) place.fail(fmt::format("promises {} bytes, but there are {}", length, bytes.size()));
+  return bytes.first(length);
 }
 
 std::span<const uint8_t> GltfDocument::buffer_view(int index) {

@@ -48,7 +48,7 @@ class GltfDocument {
   std::map<int, std::shared_ptr<const Bytes>> sparse_cache;
 
  private:
-  void read_container(Bytes bytes);
+  void read_container();
   void read_chunks(std::span<const uint8_t> bytes);
   void check_asset() const;
   void check_extensions();
@@ -58,8 +58,9 @@ class GltfDocument {
   std::string file_;
   std::vector<std::string>* warnings_;
   nlohmann::json json_;
+  Bytes container_;  // the file, kept where buffers lie in it: pictures may make it as large as all that is read from it
   bool has_binary_chunk_ = false;
-  Bytes binary_chunk_;
+  std::span<const uint8_t> binary_chunk_;  // of container_
   std::map<int, Bytes> buffers_;
   uint64_t loaded_ = 0, charged_ = 0;
 };

@@ -135,6 +135,9 @@ void GltfMaterials::read_clearcoat(const JsonView& place, Material& material) {
   material.clearcoat_roughness = unit_or(*coat, "clearcoatRoughnessFactor", 0);
   material.clearcoat_roughness_texture = texture(*coat, "clearcoatRoughnessTexture");
   material.clearcoat_normal_texture = texture(*coat, "clearcoatNormalTexture");
+  if (material.clearcoat_normal_texture)
+    material.clearcoat_normal_scale =
+        static_cast<float>(coat->at("clearcoatNormalTexture").number_or("scale", 1, -kLarge, kLarge));
 }
 
 TextureRef GltfMaterials::texture(const JsonView& owner, const char* key) {

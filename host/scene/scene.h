@@ -72,6 +72,7 @@ struct Material {
   float clearcoat_roughness = 0;
   TextureRef clearcoat_roughness_texture;  // G
   TextureRef clearcoat_normal_texture;
+  float clearcoat_normal_scale = 1;
 };
 
 // Triangles of one object in its node's space. Arrays are per vertex; absent attributes are empty but for normals, which

@@ -10,13 +10,18 @@ namespace {
 constexpr float kCoatF0 = 0.04f;  // index 1.5
 constexpr float kMinCosine = 1e-4f;
 
-// The shading normal, on wo's side and bent just far enough that wo sees its front (else the point would be black).
-glm::vec3 visible_normal(const glm::vec3& shading, const glm::vec3& wo) {
-  const float cosine = glm::dot(shading, wo);
-  return cosine > 0.01f ? shading : glm::normalize(shading + (0.01f - cosine) * wo);
-}
-
 glm::vec3 mirror(const glm::vec3& w, const glm::vec3& h) { return 2 * glm::dot(w, h) * h - w; }
+
+// The shading normal, on wo's side and bent just far enough that wo sees its front and its mirror image does not lie behind the
+// surface (else the point would be black).
+glm::vec3 visible_normal(const glm::vec3& shading, const glm::vec3& geometric, const glm::vec3& wo) {
+  constexpr float kLeast = 0.01f;
+  const float cosine = glm::dot(shading, wo);
+  const glm::vec3 seen = cosine > kLeast ? shading : glm::normalize(shading + (kLeast - cosine) * wo);
+  const glm::vec3 mirrored = mirror(wo, seen);
+  const float height = glm::dot(mirrored, geometric);
+  return height > 0 ? seen : glm::normalize(wo + glm::normalize(mirrored + (kLeast - height) * geometric));
+}
 
 // A GGX reflection lobe of Fresnel 1: value without Fresnel, and density.
 struct Reflection {
@@ -38,7 +43,7 @@ Bsdf::Bsdf(const SurfaceParameters& parameters, const glm::vec3& wo, const glm::
   const bool back = glm::dot(wo, geometric) < 0;
   const float side = back ? -1.0f : 1.0f;
   geometric_ = side * geometric;
-  base_ = Basis(visible_normal(side * shading, wo));
+  base_ = Basis(visible_normal(side * shading, geometric_, wo));
   local_wo_ = base_.to_local(wo);
   local_wo_.z = std::max(local_wo_.z, kMinCosine);
   solid_ = p_.glass > 0 && !p_.thin;
@@ -67,7 +72,7 @@ Bsdf::Bsdf(const SurfaceParameters& parameters, const glm::vec3& wo, const glm::
 }
 
 void Bsdf::prepare_coat(const glm::vec3& normal, float& albedo_estimate) {
-  coat_ = Basis(visible_normal(normal, wo_));
+  coat_ = Basis(visible_normal(normal, geometric_, wo_));
   coat_wo_ = coat_.to_local(wo_);
   coat_wo_.z = std::max(coat_wo_.z, kMinCosine);
   albedo_estimate = coat_reflectance(coat_wo_.z);
@@ -118,7 +123,7 @@ void Bsdf::prepare_glass(const ReflectionAlbedo& albedo) {
 
 bool Bsdf::glass_is_delta() const {
   // Without a step in index rough refraction has no defined half vector, and nothing bends.
-  return p_.alpha < kDeltaAlpha || (!p_.thin && std::fabs(p_.ior - 1) < 1e-3f);
+  return p_.alpha < kDeltaAlpha || std::fabs(p_.ior - 1) < 1e-3f;
 }
 
 float Bsdf::coat_reflectance(float cosine) const {

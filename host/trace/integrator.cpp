@@ -226,6 +226,7 @@ glm::vec3 Integrator::emitted(const Path& path, const Surface& surface) const {
 }
 
 glm::vec3 Integrator::escaped(const Path& path) const {
+  if (path.in_sight) return backdrop(path.ray.direction);
   const glm::vec3 radiance = lights_.environment().radiance(path.ray.direction);
   if (!lights_.environment_sampled()) return radiance;
   return radiance * found_weight(path, lights_.environment_pdf(path.ray.direction));
@@ -341,6 +342,7 @@ void Integrator::continue_path(Path& path, const Surface& surface, const Bsdf& b
   const bool bent = sample.transmitted && bends(*surface.material);
   if (sample.transmitted && !bent) return;  // straight on through a pane: lights were sampled through it, too
 
+  path.in_sight = false;
   path.travelled = 0;
   path.pdf = pdf;
   path.lights_sampled = sample_lights_ && !sample.delta && !points_inside(bsdf, sample.wi);

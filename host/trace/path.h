@@ -51,6 +51,7 @@ struct Path {
   float pdf = 0;                    // of the ray's direction then
   glm::vec3 share{1};               // of light that is found now, the part that no vertex before has counted
   glm::vec3 share_behind_glass{1};  // what the next refraction multiplies `share` by
+  bool in_sight = true;             // nothing but holes and panes lies between the camera and here, in a straight line
   bool seen = true;                 // nothing but mirrors and clear glass lies between the camera and here
   Media media;
 };

@@ -20,7 +20,8 @@ glm::vec3 absorption_of(const Material& m) {
 ShadingMaterial prepare(const Material& m, Albedos& albedos) {
   ShadingMaterial s;
   s.source = &m;
-  s.transmits = m.transmission > 0 && m.metallic < 1 && !m.unlit;
+  const bool all_metal = m.metallic >= 1 && !m.metallic_roughness_texture;
+  s.transmits = m.transmission > 0 && !all_metal && !m.unlit;
   s.solid = s.transmits && m.thickness > 0;
   s.cut = m.alpha_mode != AlphaMode::kOpaque;
   s.emits = !m.unlit && max_component(m.emissive) > 0;
@@ -52,6 +53,15 @@ glm::vec2 metallic_roughness_at(const Textures& textures, const Material& m, con
 float transmission_at(const Textures& textures, const Material& m, const SurfacePoint& point) {
   if (m.transmission <= 0) return 0;
   return m.transmission * (m.transmission_texture ? textures.linear(m.transmission_texture, point).r : 1.0f);
+}
+
+float specular_at(const Textures& textures, const Material& m, const SurfacePoint& point) {
+  return m.specular * (m.specular_texture ? textures.linear(m.specular_texture, point).a : 1.0f);
+}
+
+glm::vec3 specular_color_at(const Textures& textures, const Material& m, const SurfacePoint& point) {
+  if (!m.specular_color_texture) return m.specular_color;
+  return m.specular_color * glm::vec3(textures.srgb(m.specular_color_texture, point));
 }
 
 }  // namespace
@@ -102,10 +112,8 @@ SurfaceParameters parameters_at(const Textures& textures, const ShadingMaterial&
   const glm::vec2 mr = metallic_roughness_at(textures, m, point);
   const float metallic = mr.x;
   const float transmission = transmission_at(textures, m, point);
-  float specular = m.specular;
-  if (m.specular_texture) specular *= textures.linear(m.specular_texture, point).a;
-  glm::vec3 specular_color = m.specular_color;
-  if (m.specular_color_texture) specular_color *= glm::vec3(textures.srgb(m.specular_color_texture, point));
+  const float specular = specular_at(textures, m, point);
+  const glm::vec3 specular_color = specular_color_at(textures, m, point);
 
   const glm::vec3 base = glm::clamp(base_color, glm::vec3(0), glm::vec3(1));
   SurfaceParameters p;
@@ -137,10 +145,13 @@ glm::vec3 straight_transmittance(const Textures& textures, const ShadingMaterial
   const Material& m = *material.source;
   const float metallic = m.metallic <= 0 ? 0 : metallic_roughness_at(textures, m, point).x;
   const float share = (1 - metallic) * transmission_at(textures, m, point);
+  inside = inside && material.solid;  // a thin wall has no inside: its back is another front
   // Leaving at an angle of total reflection would be black; the straight line stands for the refracted path, which does leave.
   const float reflectance =
       fresnel_dielectric(inside ? safe_sqrt(1 - (1 - cosine * cosine) / sqr(index_of(m))) : cosine, index_of(m));
-  const glm::vec3 reflected = glm::min(reflectance * m.specular * m.specular_color, glm::vec3(1));
+  // As the BSDF has it: KHR_materials_specular weighs what is reflected on the outside.
+  const glm::vec3 tint = inside ? glm::vec3(1) : specular_at(textures, m, point) * specular_color_at(textures, m, point);
+  const glm::vec3 reflected = glm::min(reflectance * tint, glm::vec3(1));
   return share * (1.0f - reflected) * base_color;
 }
 

@@ -44,8 +44,13 @@ int wrap(int i, int size, Wrap mode) {
   return m < size ? m : 2 * size - 1 - m;
 }
 
-// Coordinates beyond this are folded first, so that converting to int is defined.
-float sane(float t) { return std::fabs(t) < 1e6f ? t : std::isfinite(t) ? std::fmod(t, 2.0f) : 0.0f; }
+// Far coordinates come near first, to where the wrap mode shows the same, so that texel numbers (sides are at most 16384) fit
+// an int.
+float sane(float t, Wrap mode) {
+  if (std::fabs(t) < 1e4f) return t;
+  if (!std::isfinite(t)) return 0;
+  return mode == Wrap::kClamp ? std::copysign(2.0f, t) : std::fmod(t, 2.0f);
+}
 
 int floor_to_int(float x) {
   const int i = static_cast<int>(x);
@@ -144,8 +149,8 @@ glm::vec4 Textures::fetch(const TextureRef& ref, const TexturePoint& point, Enco
   const ByteTable& rgb = kDecode[encoding];
   const glm::vec2& uv = point.uv[set];
   const glm::mat3& m = ref.transform;
-  const float x = sane(m[0][0] * uv.x + m[1][0] * uv.y + m[2][0]) * static_cast<float>(level.width);
-  const float y = sane(m[0][1] * uv.x + m[1][1] * uv.y + m[2][1]) * static_cast<float>(level.height);
+  const float x = sane(m[0][0] * uv.x + m[1][0] * uv.y + m[2][0], ref.wrap_s) * static_cast<float>(level.width);
+  const float y = sane(m[0][1] * uv.x + m[1][1] * uv.y + m[2][1], ref.wrap_t) * static_cast<float>(level.height);
   const auto texel = [&](int i, int j) {
     const uint8_t* t = level.rgba + 4 * (static_cast<size_t>(j) * static_cast<size_t>(level.width) + static_cast<size_t>(i));
     return glm::vec4(rgb[t[0]], rgb[t[1]], rgb[t[2]], kDecode[0][t[3]]);

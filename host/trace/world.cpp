@@ -270,7 +270,7 @@ void World::apply_normal_maps(const glm::vec3& shading, const glm::vec3& barycen
     s.shading = normal_from_map(textures_, m.normal_texture, m.normal_scale, s.point.uv, tangent, bitangent, shading);
   }
   if (m.clearcoat_normal_texture) {
-    s.coat = normal_from_map(textures_, m.clearcoat_normal_texture, 1, s.point.uv, tangent, bitangent, shading);
+    s.coat = normal_from_map(textures_, m.clearcoat_normal_texture, m.clearcoat_normal_scale, s.point.uv, tangent, bitangent, shading);
   }
 }
 

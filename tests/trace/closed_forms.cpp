@@ -165,6 +165,31 @@ TEST(ClosedForm, WhatIsSeenThroughASheetBelongsToTheSheet) {
   EXPECT_EQ(seen.diffuse.mean, 0);
 }
 
+TEST(ClosedForm, HolesAndPanesShowTheBackgroundAndMirrorsTheEnvironment) {
+  Scene scene = scene_with_camera({0, 0, 3}, {0, 0, 0}, 0.5f);
+  set_environment(scene, glm::vec3(2));
+  scene.background_is_environment = false;
+  scene.background_color = glm::vec3(0.5f);
+  Material hole = lambert(glm::vec3(1));
+  hole.alpha_mode = AlphaMode::kMask;
+  hole.base_color.a = 0;
+  Material pane = clear_glass(1, 0, 0);  // of no index: nothing is reflected
+  const int material = add_material(scene, hole);
+  add_object(scene, make_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), material, "front");
+  Object backdrop;
+  backdrop.name = "background";
+  backdrop.follows_camera = true;
+  scene.objects.push_back(backdrop);
+  scene.background_object = 1;
+  const auto seen = [&](const Material& m) {
+    scene.materials[static_cast<size_t>(material)] = m;
+    return Laboratory(scene).look({0.2f, 0.1f, 3}, {0, 0, -1}, 4, 16).sum.mean;
+  };
+  EXPECT_NEAR(seen(hole), 0.5, 1e-6);
+  EXPECT_NEAR(seen(pane), 0.5, 1e-6);
+  EXPECT_NEAR(seen(metal(glm::vec3(1), 0)), 2, 1e-6);
+}
+
 TEST(ClosedForm, SingleSidedWallIsNotThereFromBehind) {
   for (const bool double_sided : {false, true}) {
     Scene scene = scene_with_camera({0, 0, 3}, {0, 0, 0}, 0.5f);
