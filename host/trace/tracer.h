@@ -39,6 +39,6 @@ class Tracer {
 };
 
 // Changes whenever the tracer would give other pictures for the same input; part of every frame's key.
-inline constexpr uint32_t kTracerVersion = 4;
+inline constexpr uint32_t kTracerVersion = 5;
 
 }  // namespace vitrine
