@@ -34,6 +34,12 @@ bool bends(const ShadingMaterial& m) { return m.solid || !m.smooth; }
 // Whether wi points into the solid that the surface bounds. Lights are not sampled there: from inside, refraction decides.
 bool points_inside(const Bsdf& bsdf, const glm::vec3& wi) { return bsdf.solid() && bsdf.same_side(wi) == bsdf.inside(); }
 
+// What lights are sampled for: a thin pane is lit from both sides, all else from one.
+LightReceiver receiver_at(const Surface& s, const Bsdf& bsdf) {
+  if (s.material->transmits && !bsdf.solid()) return {s.position, glm::vec3(0)};
+  return {s.position, bsdf.inside() ? -bsdf.normal() : bsdf.normal()};
+}
+
 Bsdf make_bsdf(const World& world, const Surface& s, const glm::vec4& base_color, const glm::vec3& wo) {
   const SurfaceParameters p = parameters_at(world.textures(), *s.material, s.point, glm::vec3(base_color));
   return Bsdf(p, wo, s.geometric, s.shading, s.coat);
@@ -222,14 +228,14 @@ glm::vec3 Integrator::found_weight(const Path& path, float light_pdf) const {
 glm::vec3 Integrator::emitted(const Path& path, const Surface& surface) const {
   const glm::vec3 emission = world_.emission_of(surface);
   if (is_black(emission)) return emission;
-  return emission * found_weight(path, lights_.surface_pdf(surface, path.ray.direction, path.travelled));
+  return emission * found_weight(path, lights_.surface_pdf(path.receiver, surface, path.ray.direction, path.travelled));
 }
 
 glm::vec3 Integrator::escaped(const Path& path) const {
   if (path.in_sight) return backdrop(path.ray.direction);
   const glm::vec3 radiance = lights_.environment().radiance(path.ray.direction);
   if (!lights_.environment_sampled()) return radiance;
-  return radiance * found_weight(path, lights_.environment_pdf(path.ray.direction));
+  return radiance * found_weight(path, lights_.environment_pdf(path.receiver, path.ray.direction));
 }
 
 Integrator::Direct Integrator::sample_lights(const Path& path, const Surface& surface, const Bsdf& bsdf, bool split,
@@ -238,6 +244,7 @@ Integrator::Direct Integrator::sample_lights(const Path& path, const Surface& su
   const float pick = sampler.get1d();
   const glm::vec2 point = sampler.get2d();
   float choice = sampler.get1d();
+  const Lights::View view = lights_.view(receiver_at(surface, bsdf));
   const int count = lights_.single() || path.scatterings > 0 ? 1 : kCandidates;
 
   // Draw candidates and keep one in proportion to what it would give if nothing were in the way.
@@ -246,7 +253,7 @@ Integrator::Direct Integrator::sample_lights(const Path& path, const Surface& su
   for (int j = 0; j < count; ++j) {
     Candidate c;
     const float stratum = std::min((pick + static_cast<float>(j)) / static_cast<float>(count), 0x1.fffffep-1f);
-    if (!lights_.sample(surface.position, stratum, rotated(point, j), c.light)) continue;
+    if (!lights_.sample(view, stratum, rotated(point, j), c.light)) continue;
     if (points_inside(bsdf, c.light.wi)) continue;
     c.value = bsdf.evaluate(c.light.wi, lobes);
     if (!split) c.value.diffuse *= bsdf.view_factor();
@@ -345,6 +352,7 @@ void Integrator::continue_path(Path& path, const Surface& surface, const Bsdf& b
   path.in_sight = false;
   path.travelled = 0;
   path.pdf = pdf;
+  path.receiver = receiver_at(surface, bsdf);
   path.lights_sampled = sample_lights_ && !sample.delta && !points_inside(bsdf, sample.wi);
   path.seen = path.seen && sample.delta;
   if (bent) {

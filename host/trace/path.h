@@ -5,6 +5,7 @@
 
 #include <array>
 
+#include "host/trace/light_tree.h"
 #include "host/trace/world.h"
 
 namespace vitrine::trace {
@@ -49,6 +50,7 @@ struct Path {
   // Light that the next segment finds may already have been counted by sampling lights.
   bool lights_sampled = false;      // at the last vertex, towards where the ray goes
   float pdf = 0;                    // of the ray's direction then
+  LightReceiver receiver;           // what they were sampled for
   glm::vec3 share{1};               // of light that is found now, the part that no vertex before has counted
   glm::vec3 share_behind_glass{1};  // what the next refraction multiplies `share` by
   bool in_sight = true;             // nothing but holes and panes lies between the camera and here, in a straight line

@@ -13,6 +13,7 @@ namespace vitrine::trace {
 
 inline constexpr float kPi = 3.14159265358979f;
 inline constexpr float kInvPi = 1.0f / kPi;
+inline constexpr float kBeforeOne = 0x1.fffffep-1f;  // the greatest float below 1
 
 inline float safe_sqrt(float x) { return std::sqrt(std::max(x, 0.0f)); }
 inline float sqr(float x) { return x * x; }

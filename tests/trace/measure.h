@@ -1,8 +1,9 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 //
-// Means of noisy estimates with their standard errors, so that tests compare within what chance allows.
+// Means of noisy estimates with their standard errors, and fits of counts, so that tests compare within what chance allows.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <vector>
@@ -25,6 +26,32 @@ inline Estimate estimate(int trials, const std::function<double(uint32_t seed)>&
   }
   const double mean = sum / trials;
   return {mean, std::sqrt(std::max(squares / trials - mean * mean, 0.0) / (trials - 1))};
+}
+
+// Upper tail of the chi-square distribution by Wilson and Hilferty's normal approximation.
+inline double chi_square_tail(double x, int degrees) {
+  const double k = degrees, z = (std::cbrt(x / k) - (1 - 2 / (9 * k))) / std::sqrt(2 / (9 * k));
+  return 0.5 * std::erfc(z / std::sqrt(2.0));
+}
+
+// The chance that counts so far from what is expected come about; cells expecting fewer than five are pooled.
+inline double goodness_of_fit(const std::vector<double>& counts, const std::vector<double>& expected) {
+  double chi = 0, pooled_count = 0, pooled_expected = 0;
+  int cells = 0;
+  const auto add = [&](double count, double expect) {
+    chi += (count - expect) * (count - expect) / expect;
+    ++cells;
+  };
+  for (size_t i = 0; i < counts.size(); ++i) {
+    if (expected[i] >= 5) {
+      add(counts[i], expected[i]);
+      continue;
+    }
+    pooled_count += counts[i];
+    pooled_expected += expected[i];
+  }
+  if (pooled_expected > 1) add(pooled_count, pooled_expected);
+  return chi_square_tail(chi, std::max(cells - 1, 1));
 }
 
 // A posed scene with its lights, for tracing single rays.

@@ -11,35 +11,12 @@
 #include "host/trace/environment_light.h"
 #include "host/trace/filter_sampler.h"
 #include "host/trace/sampler.h"
+#include "tests/trace/measure.h"
 
 namespace vitrine::trace {
 namespace {
 
-// Upper tail of the chi-square distribution by Wilson and Hilferty's normal approximation.
-double chi_square_tail(double x, int degrees) {
-  const double k = degrees, z = (std::cbrt(x / k) - (1 - 2 / (9 * k))) / std::sqrt(2 / (9 * k));
-  return 0.5 * std::erfc(z / std::sqrt(2.0));
-}
-
-// The chance that counts so far from what is expected come about; cells expecting fewer than five are pooled.
-double goodness_of_fit(const std::vector<double>& counts, const std::vector<double>& expected) {
-  double chi = 0, pooled_count = 0, pooled_expected = 0;
-  int cells = 0;
-  const auto add = [&](double count, double expect) {
-    chi += (count - expect) * (count - expect) / expect;
-    ++cells;
-  };
-  for (size_t i = 0; i < counts.size(); ++i) {
-    if (expected[i] >= 5) {
-      add(counts[i], expected[i]);
-      continue;
-    }
-    pooled_count += counts[i];
-    pooled_expected += expected[i];
-  }
-  if (pooled_expected > 1) add(pooled_count, pooled_expected);
-  return chi_square_tail(chi, std::max(cells - 1, 1));
-}
+using test::goodness_of_fit;
 
 // Bins over the sphere: equal steps of z and of the angle about it.
 constexpr int kRows = 32, kColumns = 48;
