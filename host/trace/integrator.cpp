@@ -6,7 +6,7 @@ namespace {
 
 constexpr int kMaxScatterings = 64;
 constexpr int kMaxVertices = 256;   // with surfaces that are passed through
-constexpr int kCandidates = 1;      // at the first vertex, whose noise is seen most; one later
+constexpr int kCandidates = 4;      // at the first vertex, whose noise is seen most; one later
 constexpr int kRouletteFrom = 2;    // scatterings after which paths may end early
 constexpr float kRouletteGain = 4;  // they do so below a quarter of their light: the best noise for time in a lit room
 constexpr int kSpecularPaths = 2;   // into the specular lobe of the first hit, per camera ray; twice as many where it dominates
@@ -123,7 +123,7 @@ CameraSample Integrator::shade(const FirstHit& first, LayerSet layers, Sampler& 
   // Split: both lobes share one light sample, then each goes its own way.
   const Bsdf bsdf = make_bsdf(world_, surface, base, -first.ray.direction);
   const Lobes lobes = !layers.specular ? Lobes::kDiffuse : !layers.diffuse ? Lobes::kSpecular : Lobes::kAll;
-  const Direct direct = sample_lights(path, surface, bsdf, true, lobes, sampler);
+  const Direct direct = sample_lights(path, surface, bsdf, {true, lobes}, sampler);
   if (layers.diffuse) {
     glm::vec3 scattered = direct.diffuse;
     if (bsdf.has_diffuse()) {
@@ -197,7 +197,7 @@ glm::vec3 Integrator::follow(Path& path, Sampler& sampler) const {
 
     // Light that it scatters, from lights directly and from wherever the path goes on.
     const Bsdf bsdf = make_bsdf(world_, surface, base, -path.ray.direction);
-    const Direct sampled = sample_lights(path, surface, bsdf, false, Lobes::kAll, sampler);
+    const Direct sampled = sample_lights(path, surface, bsdf, {false, Lobes::kAll}, sampler);
     add(sampled.diffuse + sampled.specular, path.scatterings == 0);
     if (!scatter(path, surface, bsdf, Continuation::kEither, sampler)) break;
     if (path.scatterings < kRouletteFrom) continue;
@@ -238,52 +238,62 @@ glm::vec3 Integrator::escaped(const Path& path) const {
   return radiance * found_weight(path, lights_.environment_pdf(path.receiver, path.ray.direction));
 }
 
-Integrator::Direct Integrator::sample_lights(const Path& path, const Surface& surface, const Bsdf& bsdf, bool split,
-                                             Lobes lobes, Sampler& sampler) const {
-  if (!sample_lights_ || !bsdf.has_density()) return {};
-  const float pick = sampler.get1d();
-  const glm::vec2 point = sampler.get2d();
-  float choice = sampler.get1d();
-  const Lights::View view = lights_.view(receiver_at(surface, bsdf));
-  const int count = lights_.single() || path.scatterings > 0 ? 1 : kCandidates;
+// A point of a light that the surface can see where nothing is in the way.
+bool Integrator::draw(const Path& path, const Bsdf& bsdf, const Lights::View& view, const LightChoice& choice, float pick,
+                      const glm::vec2& point, Candidate& c) const {
+  if (!lights_.sample(view, pick, point, c.light) || points_inside(bsdf, c.light.wi)) return false;
+  c.value = bsdf.evaluate(c.light.wi, choice.lobes);
+  if (!choice.split) c.value.diffuse *= bsdf.view_factor();
+  if (!bsdf.same_side(c.light.wi)) c.value.specular *= path.share * path.share_behind_glass;
+  return !is_black(c.value.diffuse) || !is_black(c.value.specular);
+}
 
-  // Draw candidates and keep one in proportion to what it would give if nothing were in the way.
-  Candidate kept;
+// Of several candidates one, in proportion to what it would give if nothing were in the way; `scale` makes up for the choice.
+bool Integrator::draw_best(const Path& path, const Bsdf& bsdf, const Lights::View& view, const LightChoice& choice, float pick,
+                           const glm::vec2& point, float u, Candidate& kept, float& scale) const {
   float sum = 0, kept_target = 0;
-  for (int j = 0; j < count; ++j) {
+  for (int j = 0; j < kCandidates; ++j) {
     Candidate c;
-    const float stratum = std::min((pick + static_cast<float>(j)) / static_cast<float>(count), 0x1.fffffep-1f);
-    if (!lights_.sample(view, stratum, rotated(point, j), c.light)) continue;
-    if (points_inside(bsdf, c.light.wi)) continue;
-    c.value = bsdf.evaluate(c.light.wi, lobes);
-    if (!split) c.value.diffuse *= bsdf.view_factor();
-    if (!bsdf.same_side(c.light.wi)) c.value.specular *= path.share * path.share_behind_glass;
-    const Direct light = weigh(c, bsdf, split);
+    const float stratum = std::min((pick + static_cast<float>(j)) / kCandidates, 0x1.fffffep-1f);
+    if (!draw(path, bsdf, view, choice, stratum, rotated(point, j), c)) continue;
+    const Direct light = weigh(c, bsdf, choice.split);
     const float target = luminance(light.diffuse + light.specular);
     if (!(target > 0)) continue;
     sum += target;
     const float chance = target / sum;
-    if (choice < chance) {
+    if (u < chance) {
       kept = c;
       kept_target = target;
-      choice /= chance;
+      u /= chance;
     } else {
-      choice = (choice - chance) / (1 - chance);
+      u = (u - chance) / (1 - chance);
     }
   }
-  if (!(sum > 0)) return {};
+  scale = sum > 0 ? sum / (kCandidates * kept_target) : 0;
+  return sum > 0;
+}
 
-  const glm::vec3 origin = leave(surface, kept.light.wi);
-  const float reach = std::isfinite(kept.light.distance) ? kept.light.distance * 0.9999f - surface.margin : kept.light.distance;
+Integrator::Direct Integrator::sample_lights(const Path& path, const Surface& surface, const Bsdf& bsdf,
+                                             const LightChoice& choice, Sampler& sampler) const {
+  if (!sample_lights_ || !bsdf.has_density()) return {};
+  const float pick = sampler.get1d();
+  const glm::vec2 point = sampler.get2d();
+  const Lights::View view = lights_.view(receiver_at(surface, bsdf));
+  Candidate c;
+  float scale = 1;
+  const bool drawn = choice.split && !lights_.single()
+                         ? draw_best(path, bsdf, view, choice, pick, point, sampler.get1d(), c, scale)
+                         : draw(path, bsdf, view, choice, pick, point, c);
+  if (!drawn) return {};
+
+  const glm::vec3 origin = leave(surface, c.light.wi);
+  const float reach = std::isfinite(c.light.distance) ? c.light.distance * 0.9999f - surface.margin : c.light.distance;
   const bool straight =
-      settings_.straight_shadows && (!is_black(kept.value.diffuse) || bsdf.wide(kStraightAlpha) || kept.light.punctual);
-  const Shadow shadow = world_.shadow({origin, kept.light.wi, 0, std::max(reach, 0.0f)}, straight, path.media.absorption());
+      settings_.straight_shadows && (!is_black(c.value.diffuse) || bsdf.wide(kStraightAlpha) || c.light.punctual);
+  const Shadow shadow = world_.shadow({origin, c.light.wi, 0, std::max(reach, 0.0f)}, straight, path.media.absorption());
   if (is_black(shadow.transmittance)) return {};
-  Direct light = shadow.through_glass ? weigh_through_glass(kept, bsdf) : weigh(kept, bsdf, split);
-  const glm::vec3 scale = shadow.transmittance * (sum / (static_cast<float>(count) * kept_target));
-  light.diffuse *= scale;
-  light.specular *= scale;
-  return light;
+  const Direct light = shadow.through_glass ? weigh_through_glass(c, bsdf) : weigh(c, bsdf, choice.split);
+  return {light.diffuse * (scale * shadow.transmittance), light.specular * (scale * shadow.transmittance)};
 }
 
 Integrator::Direct Integrator::weigh(const Candidate& c, const Bsdf& bsdf, bool split) const {

@@ -86,8 +86,16 @@ class Integrator {
   glm::vec3 emitted(const Path& path, const Surface& surface) const;
   glm::vec3 escaped(const Path& path) const;
   glm::vec3 found_weight(const Path& path, float light_pdf) const;
-  // `split`: the lobes of `lobes` are kept apart, as at the first vertex.
-  Direct sample_lights(const Path& path, const Surface& surface, const Bsdf& bsdf, bool split, Lobes lobes, Sampler& sampler) const;
+  struct LightChoice {
+    bool split;   // lobes are kept apart, as at the first vertex
+    Lobes lobes;  // that light is wanted for
+  };
+  bool draw(const Path& path, const Bsdf& bsdf, const Lights::View& view, const LightChoice& choice, float pick,
+            const glm::vec2& point, Candidate& candidate) const;
+  bool draw_best(const Path& path, const Bsdf& bsdf, const Lights::View& view, const LightChoice& choice, float pick,
+                 const glm::vec2& point, float u, Candidate& kept, float& scale) const;
+  Direct sample_lights(const Path& path, const Surface& surface, const Bsdf& bsdf, const LightChoice& choice,
+                       Sampler& sampler) const;
   Direct weigh(const Candidate& candidate, const Bsdf& bsdf, bool split) const;
   Direct weigh_through_glass(const Candidate& candidate, const Bsdf& bsdf) const;
   // `stratum`: of the numbers that choose a lobe, where several paths go on from one point.

@@ -11,7 +11,7 @@ namespace {
 constexpr int kRadius = 3;          // of the neighbourhood that a pixel's variances are estimated from
 constexpr int kEdgeSamples = 16;    // where several objects meet: their coverages are to be told
 constexpr int kMaxSamples = 4096;   // of a pixel: the sampler's sequence
-constexpr float kLeastShare = 0.1f; // of a layer's mean variance that every pixel of it counts with: rare paths hide from few samples
+constexpr float kLeastVariance = 0.1f; // of a layer's mean variance that every pixel of it counts with: rare paths hide from few samples
 
 // What a pixel tells its neighbours of the object that it shows most of.
 struct Statistics {
@@ -121,8 +121,8 @@ void SamplePlan::revise(const Film& film, const NoiseTarget& target, int object_
   }
   for (size_t i = 0; i < pixels; ++i) {
     ObjectSums& s = sums_of(i);
-    demands[i].diffuse = std::max(demands[i].diffuse, kLeastShare * static_cast<float>(s.variance[0] / s.pixels));
-    demands[i].specular = std::max(demands[i].specular, kLeastShare * static_cast<float>(s.variance[1] / s.pixels));
+    demands[i].diffuse = std::max(demands[i].diffuse, kLeastVariance * static_cast<float>(s.variance[0] / s.pixels));
+    demands[i].specular = std::max(demands[i].specular, kLeastVariance * static_cast<float>(s.variance[1] / s.pixels));
     s.root[0] += std::sqrt(demands[i].diffuse);
     s.root[1] += std::sqrt(demands[i].specular);
   }
