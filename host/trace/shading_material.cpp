@@ -17,9 +17,41 @@ glm::vec3 absorption_of(const Material& m) {
   return -glm::log(glm::clamp(m.attenuation_color, glm::vec3(1e-6f), glm::vec3(1))) / m.attenuation_distance;
 }
 
-ShadingMaterial prepare(const Material& m, Albedos& albedos) {
-  ShadingMaterial s;
-  s.source = &m;
+// What textures may vary beside the base colour.
+struct Properties {
+  glm::vec2 metallic_roughness;
+  float transmission, specular;
+  glm::vec3 specular_color;
+  float coat, coat_roughness;
+};
+
+// By the factors alone.
+Properties factors_of(const Material& m) {
+  return {glm::clamp(glm::vec2(m.metallic, m.roughness), glm::vec2(0), glm::vec2(1)), m.transmission, m.specular, m.specular_color,
+          m.clearcoat, m.clearcoat_roughness};
+}
+
+// For a white base.
+SurfaceParameters parameters_of(const ShadingMaterial& material, const Properties& q) {
+  const Material& m = *material.source;
+  const float metallic = q.metallic_roughness.x;
+  SurfaceParameters p;
+  p.alpha = sqr(q.metallic_roughness.y);
+  p.ior = index_of(m);
+  p.dielectric_f0 = q.specular * glm::min(dielectric_f0(m) * q.specular_color, glm::vec3(1));
+  p.dielectric_f90 = glm::vec3(q.specular);
+  p.dielectric = (1 - metallic) * (1 - q.transmission);
+  p.metal = metallic;
+  p.glass = (1 - metallic) * q.transmission;
+  p.glass_reflectance = q.specular * q.specular_color;
+  p.thin = !material.solid;
+  p.glass_albedo = material.glass_albedo.get();
+  p.coat = q.coat;
+  p.coat_alpha = sqr(std::clamp(q.coat_roughness, 0.0f, 1.0f));
+  return p;
+}
+
+void prepare_optics(const Material& m, Albedos& albedos, ShadingMaterial& s) {
   const bool all_metal = m.metallic >= 1 && !m.metallic_roughness_texture;
   s.transmits = m.transmission > 0 && !all_metal && !m.unlit;
   s.solid = s.transmits && m.thickness > 0;
@@ -29,12 +61,21 @@ ShadingMaterial prepare(const Material& m, Albedos& albedos) {
   s.plain = !s.transmits && !s.cut && !s.culled;
   s.smooth = sqr(m.roughness) < kDeltaAlpha;
   s.normal_mapped = m.normal_texture || m.clearcoat_normal_texture;
-  if (!s.solid) return s;
+  if (!s.solid) return;
   s.absorption = absorption_of(m);
-  if (s.smooth) return s;
+  if (s.smooth) return;
   auto& albedo = albedos[m.ior];
   if (!albedo) albedo = std::make_shared<const GlassAlbedo>(index_of(m));
   s.glass_albedo = albedo;
+}
+
+ShadingMaterial prepare(const Material& m, Albedos& albedos) {
+  ShadingMaterial s;
+  s.source = &m;
+  prepare_optics(m, albedos, s);
+  s.textured = m.metallic_roughness_texture || m.transmission_texture || m.specular_texture || m.specular_color_texture ||
+               m.clearcoat_texture || m.clearcoat_roughness_texture;
+  s.parameters = parameters_of(s, factors_of(m));
   return s;
 }
 
@@ -62,6 +103,17 @@ float specular_at(const Textures& textures, const Material& m, const SurfacePoin
 glm::vec3 specular_color_at(const Textures& textures, const Material& m, const SurfacePoint& point) {
   if (!m.specular_color_texture) return m.specular_color;
   return m.specular_color * glm::vec3(textures.srgb(m.specular_color_texture, point));
+}
+
+Properties properties_at(const Textures& textures, const Material& m, const SurfacePoint& point) {
+  Properties q = factors_of(m);
+  q.metallic_roughness = metallic_roughness_at(textures, m, point);
+  q.transmission = transmission_at(textures, m, point);
+  q.specular = specular_at(textures, m, point);
+  q.specular_color = specular_color_at(textures, m, point);
+  if (m.clearcoat_texture) q.coat *= textures.linear(m.clearcoat_texture, point).r;
+  if (m.clearcoat_roughness_texture) q.coat_roughness *= textures.linear(m.clearcoat_roughness_texture, point).g;
+  return q;
 }
 
 }  // namespace
@@ -108,35 +160,11 @@ glm::vec3 covered_emission_at(const Textures& textures, const ShadingMaterial& m
 
 SurfaceParameters parameters_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point,
                                 const glm::vec3& base_color) {
-  const Material& m = *material.source;
-  const glm::vec2 mr = metallic_roughness_at(textures, m, point);
-  const float metallic = mr.x;
-  const float transmission = transmission_at(textures, m, point);
-  const float specular = specular_at(textures, m, point);
-  const glm::vec3 specular_color = specular_color_at(textures, m, point);
-
+  SurfaceParameters p = material.textured ? parameters_of(material, properties_at(textures, *material.source, point)) : material.parameters;
   const glm::vec3 base = glm::clamp(base_color, glm::vec3(0), glm::vec3(1));
-  SurfaceParameters p;
-  p.alpha = sqr(mr.y);
-  p.ior = index_of(m);
-  p.dielectric_f0 = specular * glm::min(dielectric_f0(m) * specular_color, glm::vec3(1));
-  p.dielectric_f90 = glm::vec3(specular);
-  p.dielectric = (1 - metallic) * (1 - transmission);
   p.diffuse = base * p.dielectric;
-  p.metal = metallic;
   p.metal_f0 = base;
-  p.glass = (1 - metallic) * transmission;
   p.glass_tint = base;
-  p.glass_reflectance = specular * specular_color;
-  p.thin = !material.solid;
-  p.glass_albedo = material.glass_albedo.get();
-  p.coat = m.clearcoat;
-  if (p.coat > 0) {
-    if (m.clearcoat_texture) p.coat *= textures.linear(m.clearcoat_texture, point).r;
-    float roughness = m.clearcoat_roughness;
-    if (m.clearcoat_roughness_texture) roughness *= textures.linear(m.clearcoat_roughness_texture, point).g;
-    p.coat_alpha = sqr(std::clamp(roughness, 0.0f, 1.0f));
-  }
   return p;
 }
 

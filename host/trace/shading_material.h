@@ -22,6 +22,8 @@ struct ShadingMaterial {
   bool plain = false;       // every ray that meets it is stopped by it: no filter needed
   bool smooth = false;      // glass that does not blur
   bool normal_mapped = false;
+  bool textured = false;          // by more than the base colour
+  SurfaceParameters parameters;   // where nothing is textured, for a white base
   glm::vec3 absorption{0};  // per metre, inside of a solid (Beer-Lambert)
   std::shared_ptr<const GlassAlbedo> glass_albedo;
 };

@@ -55,11 +55,6 @@ glm::vec3 normal_from_map(const Textures& textures, const TextureRef& map, float
 
 }  // namespace
 
-const ShadingMaterial& PosedObject::material(size_t triangle) const {
-  const int index = triangle_materials[triangle];
-  return materials[index < 0 ? material_count - 1 : static_cast<size_t>(index)];
-}
-
 SurfacePoint PosedObject::point_at(int triangle, float u, float v) const {
   const Geometry& g = *geometry;
   const uint32_t* corner = &g.indices[3 * static_cast<size_t>(triangle)];
@@ -113,13 +108,34 @@ World::~World() {
   rtcReleaseDevice(device_);
 }
 
-void World::set_vertices(size_t index) {
+void World::prepare_shading(size_t index, const std::vector<int>& triangle_materials) {
   PosedObject& posed = objects_[index];
   const Geometry& g = *posed.geometry;
   posed.vertices.resize(g.positions.size());
   for (size_t v = 0; v < g.positions.size(); ++v) {
     posed.vertices[v] = {transform_point(posed.world_from_object, g.positions[v]), posed.normal_from_object * g.normals[v],
                          g.texcoords[0].empty() ? glm::vec2(0) : g.texcoords[0][v]};
+  }
+  posed.triangles.resize(triangle_materials.size());
+  const float origin = largest_coordinate(glm::vec3(posed.world_from_object[3]));
+  for (size_t t = 0; t < posed.triangles.size(); ++t) {
+    ShadingTriangle& triangle = posed.triangles[t];
+    for (size_t k = 0; k < 3; ++k) triangle.corner[k] = g.indices[3 * t + k];
+    const auto corner = [&](size_t k) -> const glm::vec3& { return posed.vertices[triangle.corner[k]].position; };
+    const glm::vec3 cross = posed.orientation * glm::cross(corner(1) - corner(0), corner(2) - corner(0));
+    const float length = glm::length(cross);
+    triangle.normal = length > 0 ? cross / length : glm::vec3(0);
+    triangle.material = triangle_materials[t] < 0 ? static_cast<int32_t>(posed.material_count) - 1 : triangle_materials[t];
+    // Rounding of the transform to the world and back, which Embree makes of rays, and of the interpolation.
+    triangle.margin = 4e-6f * (std::max({largest_coordinate(corner(0)), largest_coordinate(corner(1)), largest_coordinate(corner(2))}) +
+                               2 * origin);
+    for (size_t set = 0; set < 2; ++set) {
+      const auto& uv = g.texcoords[set];
+      triangle.density[set] = 0;
+      if (uv.empty() || !(length > 0)) continue;
+      const glm::vec2 u = uv[triangle.corner[1]] - uv[triangle.corner[0]], v = uv[triangle.corner[2]] - uv[triangle.corner[0]];
+      triangle.density[set] = std::fabs(u.x * v.y - u.y * v.x) / length;
+    }
   }
 }
 
@@ -171,16 +187,13 @@ void World::pose(const Position& position) {
     if (object.deformation) deform_object(i);
     const auto& variants = object.deformation ? deformed_[i].variant_materials : object.variant_materials;
     const bool varied = pose_.variant >= 0 && static_cast<size_t>(pose_.variant) < variants.size();
-    posed.triangle_materials =
-        varied ? variants[static_cast<size_t>(pose_.variant)].data() : posed.geometry->triangle_materials.data();
     posed.world_from_object = world_from_object(scene_, pose_, static_cast<int>(i));
     const glm::mat3 linear(posed.world_from_object);
-    posed.origin_coordinate = largest_coordinate(glm::vec3(posed.world_from_object[3]));
     posed.orientation = glm::determinant(linear) < 0 ? -1.0f : 1.0f;
     posed.normal_from_object = glm::inverseTranspose(linear);
     posed.emission = i < pose_.object_emission.size() ? pose_.object_emission[i] : 1.0f;
     if (!instances_[i]) continue;
-    set_vertices(i);
+    prepare_shading(i, varied ? variants[static_cast<size_t>(pose_.variant)] : posed.geometry->triangle_materials);
     rtcSetGeometryTransform(instances_[i], 0, RTC_FORMAT_FLOAT4X4_COLUMN_MAJOR, glm::value_ptr(posed.world_from_object));
     rtcCommitGeometry(instances_[i]);
   }
@@ -210,7 +223,8 @@ bool World::intersect(const Ray& ray, Hit& hit) const {
 Surface World::surface_at(const Ray& ray, const Hit& hit) const {
   const PosedObject& posed = objects_[static_cast<size_t>(hit.object)];
   const Geometry& g = *posed.geometry;
-  const uint32_t* corner = &g.indices[3 * static_cast<size_t>(hit.triangle)];
+  const ShadingTriangle& triangle = posed.triangles[static_cast<size_t>(hit.triangle)];
+  const auto& corner = triangle.corner;
   const ShadingVertex &a = posed.vertices[corner[0]], &b = posed.vertices[corner[1]], &c = posed.vertices[corner[2]];
   const glm::vec3 barycentric(1 - hit.u - hit.v, hit.u, hit.v);
   const auto interpolate = [&](const auto& x, const auto& y, const auto& z) {
@@ -220,14 +234,10 @@ Surface World::surface_at(const Ray& ray, const Hit& hit) const {
   s.object = hit.object;
   s.triangle = hit.triangle;
   s.distance = hit.distance;
-  s.material = &posed.material(static_cast<size_t>(hit.triangle));
+  s.material = &posed.materials[static_cast<size_t>(triangle.material)];
   s.position = interpolate(a.position, b.position, c.position);
-  // Rounding of the transform to the world and back, which Embree makes of rays, and of the interpolation.
-  s.margin = 4e-6f * (largest_coordinate(glm::max(glm::abs(a.position), glm::max(glm::abs(b.position), glm::abs(c.position)))) +
-                      2 * posed.origin_coordinate);
-  const glm::vec3 cross = posed.orientation * glm::cross(b.position - a.position, c.position - a.position);
-  const float length = glm::length(cross);
-  s.geometric = length > 0 ? cross * (1 / length) : -ray.direction;
+  s.margin = triangle.margin;
+  s.geometric = is_black(triangle.normal) ? -ray.direction : triangle.normal;
   s.back = glm::dot(s.geometric, ray.direction) > 0;
   s.emission = posed.emission;
   const glm::vec3 n = interpolate(a.normal, b.normal, c.normal);
@@ -236,15 +246,13 @@ Surface World::surface_at(const Ray& ray, const Hit& hit) const {
   if (glm::dot(s.shading, s.geometric) < 0) s.shading = -s.shading;
   s.coat = s.shading;
 
-  // The cone's area in texture coordinates: as many as the triangle has for its area.
-  const float width = ray.width_at(hit.distance);
-  const float covered = length > 0 ? width * width / length : 0.0f;
-  const auto area = [](const glm::vec2& p, const glm::vec2& q) { return std::fabs(p.x * q.y - p.y * q.x); };
+  // The cone's area in texture coordinates.
+  const float covered = sqr(ray.width_at(hit.distance));
   s.point.uv[0] = interpolate(a.uv, b.uv, c.uv);
-  s.point.footprint[0] = covered * area(b.uv - a.uv, c.uv - a.uv);
+  s.point.footprint[0] = covered * triangle.density[0];
   if (const auto& t = g.texcoords[1]; !t.empty()) {
     s.point.uv[1] = interpolate(t[corner[0]], t[corner[1]], t[corner[2]]);
-    s.point.footprint[1] = covered * area(t[corner[1]] - t[corner[0]], t[corner[2]] - t[corner[0]]);
+    s.point.footprint[1] = covered * triangle.density[1];
   }
   if (!g.colors.empty()) s.point.color = interpolate(g.colors[corner[0]], g.colors[corner[1]], g.colors[corner[2]]);
   if (s.material->normal_mapped) apply_normal_maps(s.shading, barycentric, s);

@@ -10,6 +10,7 @@
 
 #include <embree3/rtcore.h>
 
+#include <array>
 #include <limits>
 #include <memory>
 #include <vector>
@@ -57,6 +58,15 @@ struct alignas(32) ShadingVertex {
   glm::vec2 uv;  // of the first set
 };
 
+// What it reads of a triangle, as posed: all that does not depend on the point.
+struct alignas(16) ShadingTriangle {
+  std::array<uint32_t, 3> corner;
+  int32_t material;            // index into World::materials()
+  glm::vec3 normal;            // unit, on the front; 0 where the triangle has no area
+  float margin;                // how far from it a ray may start without meeting it again
+  std::array<float, 2> density;  // area in texture coordinates per area in the world, of both sets
+};
+
 struct Shadow {
   glm::vec3 transmittance{1};
   bool through_glass = false;  // in a straight line through rough or solid glass
@@ -67,17 +77,18 @@ struct PosedObject {
   const Object* object = nullptr;
   const Geometry* geometry = nullptr;          // the object's own, or what the pose makes of it
   std::vector<ShadingVertex> vertices;         // of `geometry`, as posed
+  std::vector<ShadingTriangle> triangles;
   const ShadingMaterial* materials = nullptr;  // all of the scene's; index -1 means the last
   size_t material_count = 0;
-  const int* triangle_materials = nullptr;
   glm::mat4 world_from_object{1};
   glm::mat3 normal_from_object{1};  // inverse transpose
   float orientation = 1;            // sign of the determinant
-  float origin_coordinate = 0;      // largest of the node's translation
   float emission = 1;
   const Textures* textures = nullptr;
 
-  const ShadingMaterial& material(size_t triangle) const;
+  const ShadingMaterial& material(size_t triangle) const {
+    return materials[static_cast<size_t>(triangles[triangle].material)];
+  }
   SurfacePoint point_at(int triangle, float u, float v) const;
 };
 
@@ -115,7 +126,7 @@ class World {
   void build_object(size_t index);
   void release_object(size_t index);
   void deform_object(size_t index);
-  void set_vertices(size_t index);
+  void prepare_shading(size_t index, const std::vector<int>& triangle_materials);
   void apply_normal_maps(const glm::vec3& shading, const glm::vec3& barycentric, Surface& surface) const;
 
   const Scene& scene_;
