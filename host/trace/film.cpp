@@ -15,17 +15,18 @@ struct Box {
 
 }  // namespace
 
-void SampleSum::add(const glm::vec3& value) {
-  const glm::vec3 v = finite(value);
+void SampleSum::add(const glm::vec3& value, float limit) {
+  const glm::vec3 v = finite(value), cut = glm::clamp(v, glm::vec3(-limit), glm::vec3(limit));
   ++count;
   sum += glm::dvec3(v);
-  squares += v * v;
+  visible += cut;
+  squares += cut * cut;
 }
 
 glm::vec3 SampleSum::variance() const {
   if (count < 2) return glm::vec3(0);
-  const glm::vec3 m = mean();
   const auto n = static_cast<float>(count);
+  const glm::vec3 m = visible / n;
   return glm::max(squares - n * m * m, glm::vec3(0)) / (n - 1);
 }
 
@@ -42,13 +43,13 @@ PixelObject& TileSums::entry(int pixel, int object) {
   return made;
 }
 
-void TileSums::add(PixelObject& entry, const CameraSample& sample) {
+void TileSums::add(PixelObject& entry, const CameraSample& sample, float limit) {
   ++entry.samples;
   if (sample.layers.diffuse) {
-    entry.diffuse.add(sample.diffuse);
-    entry.view.add(sample.view);
+    entry.diffuse.add(sample.diffuse, limit);
+    entry.view.add(sample.view, limit);
   }
-  if (sample.layers.specular) entry.specular.add(sample.specular);
+  if (sample.layers.specular) entry.specular.add(sample.specular, limit);
 }
 
 Film::Film(int width, int height) : width_(width), height_(height), columns_((width + kTile - 1) / kTile) {

@@ -15,12 +15,12 @@ namespace vitrine::trace {
 // Samples of one quantity.
 struct SampleSum {
   int count = 0;
-  glm::vec3 squares{0};
   glm::dvec3 sum{0};
+  glm::vec3 visible{0}, squares{0};  // sums of samples and their squares, each cut at a limit
 
-  void add(const glm::vec3& value);
+  void add(const glm::vec3& value, float limit);
   glm::vec3 mean() const { return count ? glm::vec3(sum / static_cast<double>(count)) : glm::vec3(0); }
-  // Of a single sample, per channel; unbiased. 0 below two samples.
+  // Of a single sample, cut at the limit, per channel; unbiased. 0 below two samples.
   glm::vec3 variance() const;
 };
 
@@ -42,7 +42,8 @@ class TileSums {
   TileSums() { first_.fill(-1); }
   // The entry of `object` in the pixel, made where there is none.
   PixelObject& entry(int pixel, int object);
-  static void add(PixelObject& entry, const CameraSample& sample);
+  // `limit`: of radiance, beyond which samples do not count for more in variances: on a display they are all white.
+  static void add(PixelObject& entry, const CameraSample& sample, float limit);
   int samples(int pixel) const { return samples_[static_cast<size_t>(pixel)]; }  // camera samples of the pixel
   void count_sample(int pixel) { ++samples_[static_cast<size_t>(pixel)]; }
 

@@ -21,6 +21,7 @@ struct Tracer::Impl {
 
 namespace {
 
+constexpr float kVisible = 4;  // display whites
 constexpr int kFirstSamples = 2, kGrowth = 4;  // samples of a pixel that the first plan is made from; growth until the next
 
 // Everything that tiles share in one frame.
@@ -32,6 +33,7 @@ struct Rendering {
   const trace::SamplePlan& plan;
   trace::Film& film;
   Progress& progress;
+  float visible;  // radiance beyond which light is white however it is averaged
 };
 
 // Samples of a pixel up to its budget, and at most `limit`.
@@ -46,7 +48,7 @@ void render_pixel(const Rendering& r, int x, int y, int limit, trace::TileSums& 
         r.camera.ray(static_cast<float>(x) + 0.5f + offset.x, static_cast<float>(y) + 0.5f + offset.y));
     trace::PixelObject& entry = sums.entry(pixel, first.object);
     const trace::LayerSet layers{entry.diffuse.count < budget.diffuse, entry.specular.count < budget.specular};
-    trace::TileSums::add(entry, r.integrator.shade(first, layers, sampler));
+    trace::TileSums::add(entry, r.integrator.shade(first, layers, sampler), r.visible);
     sums.count_sample(pixel);
   }
 }
@@ -101,7 +103,7 @@ Frame Tracer::render(const Position& position, const TraceOptions& options, Prog
   const bool adaptive = options.noise_db > 0;
   trace::Film film(options.width, options.height);
   trace::SamplePlan plan(options.width, options.height, adaptive ? kFirstSamples : options.samples_per_pixel);
-  const Rendering rendering{options, impl_->filter, camera, integrator, plan, film, progress};
+  const Rendering rendering{options, impl_->filter, camera, integrator, plan, film, progress, kVisible * target.white};
 
   // Passes of growing length: each tells better than the one before where samples are wanting.
   for (int limit = adaptive ? kFirstSamples : options.samples_per_pixel;; limit *= kGrowth) {

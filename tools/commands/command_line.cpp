@@ -84,6 +84,18 @@ void add_bench_trace(CLI::App& bench, BenchTraceCommand& options) {
   command->footer("Example: vitrine bench trace shop");
 }
 
+void add_bench_noise(CLI::App& bench, BenchNoiseCommand& options) {
+  CLI::App* command = bench.add_subcommand("noise", "Noise that a preset leaves, layer by layer, and what the same costs with even sampling");
+  command->add_option("SCENE", options.scene, "Folder with scene.toml, or a .toml file")->required()->check(kNotEmpty);
+  command->add_option("--preset", options.preset, "Whose resolution and noise")->capture_default_str()->check(CLI::IsMember({"tiny", "small", "full"}));
+  command->add_option("--views", options.views, "Grid samples along each axis that moves the camera alone; the other axes stay at their first")->capture_default_str()->check(CLI::Range(1, 64));
+  command->add_option("--even", options.even, "Camera rays per pixel that even sampling starts with; 0: no comparison")->capture_default_str()->check(CLI::Range(0, 4096));
+  command->add_flag("--frames-only", options.frames_only, "Infer no textures");
+  command->add_option("--work", options.work, "Folder for frames and textures (default: one that is removed afterwards)")->check(kNotEmpty);
+  add_common_options(*command, options.common);
+  command->footer("Example: vitrine bench noise shop --preset small --even 16");
+}
+
 std::string name_of_command(const CLI::App& app) {
   const std::vector<CLI::App*> commands = app.get_subcommands();
   return commands.empty() ? "vitrine" : "vitrine " + commands.front()->get_name();
@@ -101,6 +113,7 @@ struct Commands {
   InspectCommand inspect;
   VerifyCommand verify;
   BenchTraceCommand bench_trace;
+  BenchNoiseCommand bench_noise;
 };
 
 std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
@@ -109,6 +122,7 @@ std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
   if (app.got_subcommand("compile")) return [command = commands.compile] { command.run(); };
   if (app.got_subcommand("inspect")) return [command = commands.inspect] { command.run(); };
   if (app.got_subcommand("verify")) return [command = commands.verify] { command.run(); };
+  if (app.get_subcommand("bench")->got_subcommand("noise")) return [command = commands.bench_noise] { command.run(); };
   return [command = commands.bench_trace] { command.run(); };
 }
 
@@ -129,6 +143,7 @@ std::function<void()> parse_command_line(int argc, char** argv) {
   bench->require_subcommand(1);
   bench->footer("Example: vitrine bench trace shop");
   add_bench_trace(*bench, commands.bench_trace);
+  add_bench_noise(*bench, commands.bench_noise);
   // CLI11 would only say that a subcommand is missing.
   if (argc > 1 && argv[1][0] != '-' && !has_command(app, argv[1]))
     throw UsageError(std::string("there is no command \"") + argv[1] + "\": use new, render, compile, inspect, verify or bench: see vitrine --help");

@@ -61,6 +61,14 @@ struct BenchTraceCommand {
   void run() const;
 };
 
+struct BenchNoiseCommand {
+  std::string scene, preset = "small", work;
+  int views = 8, even = 0;
+  bool frames_only = false;
+  CommonOptions common;
+  void run() const;
+};
+
 // Progress as the options ask: silent, a terminal line, or plain lines, always on stderr.
 std::unique_ptr<Progress> make_progress(const CommonOptions& options);
 // Limits all stages to `jobs` threads for the life of the returned object.

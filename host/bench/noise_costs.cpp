@@ -1,0 +1,155 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "host/bench/noise_costs.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "hal/backends.h"
+#include "host/base/error.h"
+#include "host/bench/processor_time.h"
+#include "host/compile/compile.h"
+#include "host/infer/fields.h"
+#include "host/infer/verification.h"
+
+namespace vitrine {
+namespace {
+
+constexpr int kSupersampling = 2;
+constexpr uint32_t kSeeds[2] = {0, 1};
+
+double srgb(float radiance) {
+  const double x = std::clamp(static_cast<double>(radiance), 0.0, 1.0);
+  return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
+}
+
+// Squared differences of codes, weighted.
+struct Difference {
+  double sum = 0, weight = 0;
+  // Two estimates of a part of `whole`, radiances in parts of display white.
+  void add(const glm::vec3& whole, const glm::vec3& a, const glm::vec3& b, double w) {
+    const glm::vec3 half = 0.5f * (a - b);
+    for (int c = 0; c < 3; ++c) {
+      const double d = srgb(whole[c] + half[c]) - srgb(whole[c] - half[c]);
+      sum += w * d * d;
+    }
+    weight += 3 * w;
+  }
+  double db() const { return sum > 0 && weight > 0 ? std::min(-10 * std::log10(sum / weight), 99.0) : 99.0; }
+};
+
+// Differences by object (index into Scene::objects) and layer.
+using LayerDifferences = std::map<std::pair<int, Layer>, Difference>;
+
+void compare_frames(const Frame& a, const Frame& b, float exposure, LayerDifferences& differences) {
+  for (const ObjectFrame& p : a.objects) {
+    const auto other = std::find_if(b.objects.begin(), b.objects.end(), [&](const ObjectFrame& o) { return o.object == p.object; });
+    if (other == b.objects.end()) continue;
+    const ObjectFrame& q = *other;
+    for (int y = std::max(p.y, q.y); y < std::min(p.y + p.height, q.y + q.height); ++y) {
+      for (int x = std::max(p.x, q.x); x < std::min(p.x + p.width, q.x + q.width); ++x) {
+        const auto i = static_cast<size_t>((y - p.y) * p.width + x - p.x), j = static_cast<size_t>((y - q.y) * q.width + x - q.x);
+        if (p.coverage[i] < 0.5f || q.coverage[j] < 0.5f) continue;
+        const glm::vec3 whole = 0.5f * exposure * (p.diffuse[i] + p.specular[i] + q.diffuse[j] + q.specular[j]);
+        differences[{p.object, Layer::kDiffuse}].add(whole, exposure * p.diffuse[i], exposure * q.diffuse[j], 1);
+        differences[{p.object, Layer::kSpecular}].add(whole, exposure * p.specular[i], exposure * q.specular[j], 1);
+      }
+    }
+  }
+}
+
+// One seed's frames and textures.
+struct Side {
+  std::vector<StoreKey> keys;
+  Inference inference;
+};
+
+void compare_textures(const Scene& scene, const Store& store, const Side sides[2], LayerDifferences& differences) {
+  const ParameterSpace space = scene.space();
+  const float exposure = scene.settings.exposure;
+  for (const Field& field : sides[0].inference.fields) {
+    const auto same = [&](const Field& f) { return f.drawn_object == field.drawn_object && f.layer == field.layer; };
+    const auto other = std::find_if(sides[1].inference.fields.begin(), sides[1].inference.fields.end(), same);
+    if (other == sides[1].inference.fields.end()) continue;
+    const int object = sides[0].inference.objects[static_cast<size_t>(field.drawn_object)].object;
+    Difference& d = differences[{object, field.layer == layer_name(Layer::kDiffuse) ? Layer::kDiffuse : Layer::kSpecular}];
+    for (int64_t sample = 0; sample < space.sample_count(); ++sample) {
+      const int64_t own = field_sample_of(space, field.axes, sample);
+      const LinearTexture a = load_field_texture(store, field, own), b = load_field_texture(store, *other, own);
+      const LinearTexture whole = load_object_texture(store, scene, sides[0].inference, field.drawn_object, sample);
+      for (size_t t = 0; t < a.texels.size() && t < b.texels.size(); ++t)
+        d.add(exposure * whole.texels[t], exposure * a.texels[t], exposure * b.texels[t], static_cast<double>(field.importance[t]));
+    }
+  }
+}
+
+double picture_db(const Scene& scene, const Store& store, const Side sides[2], hal::Gpu& gpu) {
+  const InferenceOptions options = inference_options(scene, kSupersampling);
+  Difference d;
+  for (int64_t sample = 0; sample < scene.space().sample_count(); ++sample) {
+    const auto a = draw_inferred(store, scene, sides[0].inference, options, gpu, sample);
+    const auto b = draw_inferred(store, scene, sides[1].inference, options, gpu, sample);
+    for (size_t i = 0; i < a.size(); ++i) d.add(0.5f * (a[i] + b[i]) * scene.settings.exposure, a[i] * scene.settings.exposure, b[i] * scene.settings.exposure, 1);
+  }
+  return d.db();
+}
+
+}  // namespace
+
+NoiseCost measure_noise(const Scene& scene, const TraceOptions& options, bool infer, const Store& store, Progress& progress) {
+  const ParameterSpace space = scene.space();
+  const StoreKey base = scene_key(scene);
+  const auto frames = static_cast<double>(2 * space.sample_count());
+  NoiseCost cost;
+  LayerDifferences in_frames, in_textures;
+  std::map<std::pair<int, Layer>, std::vector<double>> estimates;
+  Side sides[2];
+  Tracer tracer(scene);
+  progress.begin("trace", 2 * space.sample_count(), 0, "frames");
+  for (int64_t sample = 0; sample < space.sample_count(); ++sample) {
+    const Position position = space.position_of(space.index_from_flat(sample));
+    Frame pair[2];
+    for (size_t s = 0; s < 2; ++s) {
+      TraceOptions own = options;
+      own.seed = kSeeds[s];
+      PartOfStep part(progress);
+      const double start = processor_seconds();
+      pair[s] = tracer.render(position, own, part);
+      cost.seconds += (processor_seconds() - start) / frames;
+      cost.rays_per_pixel += pair[s].rays_per_pixel / frames;
+      for (const NoiseReport& n : pair[s].noise) {
+        estimates[{n.object, Layer::kDiffuse}].push_back(n.diffuse_db);
+        estimates[{n.object, Layer::kSpecular}].push_back(n.specular_db);
+      }
+      sides[s].keys.push_back(frame_key(base, scene, position, own));
+      store.save_frame(sides[s].keys.back(), scene, pair[s]);
+      progress.advance(1);
+    }
+    compare_frames(pair[0], pair[1], scene.settings.exposure, in_frames);
+  }
+  progress.end();
+
+  if (infer) {
+    auto gpu = hal::create_osmesa_gpu(scene.settings.width, scene.settings.height);
+    if (!gpu.ok()) throw InputError("OSMesa", gpu.status().detail(), "install the packages of tools/packages.txt");
+    for (Side& side : sides)
+      side.inference = infer_textures(scene, side.keys, store, *gpu.value(), inference_options(scene, kSupersampling), progress);
+    compare_textures(scene, store, sides, in_textures);
+    cost.picture_db = picture_db(scene, store, sides, *gpu.value());
+  }
+  cost.worst_texture_db = infer ? 99 : 0;
+  for (const auto& [key, difference] : in_frames) {
+    if (!(difference.sum > 0)) continue;  // a layer without light
+    const std::vector<double>& e = estimates[key];
+    LayerCost layer{scene.objects[static_cast<size_t>(key.first)].name, layer_name(key.second), 0, difference.db(), 0};
+    for (const double db : e) layer.estimated_db += db / static_cast<double>(e.size());
+    if (const auto found = in_textures.find(key); found != in_textures.end()) {
+      layer.texture_db = found->second.db();
+      cost.worst_texture_db = std::min(cost.worst_texture_db, layer.texture_db);
+    }
+    cost.layers.push_back(layer);
+  }
+  return cost;
+}
+
+}  // namespace vitrine

@@ -1,0 +1,111 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "host/bench/noise_costs.h"
+#include "host/compile/compile.h"
+#include "host/compile/preset.h"
+#include "host/infer/fields.h"
+#include "tools/commands/commands.h"
+#include "tools/commands/print_json.h"
+#include "tools/commands/scene_input.h"
+
+namespace vitrine {
+namespace {
+
+// A folder that goes away again, or one that was named and stays.
+class WorkFolder {
+ public:
+  explicit WorkFolder(const std::string& named) : kept_(!named.empty()) {
+    path_ = kept_ ? std::filesystem::path(named) : std::filesystem::temp_directory_path() / fmt::format("vitrine-bench-{}", getpid());
+  }
+  ~WorkFolder() {
+    std::error_code ignored;
+    if (!kept_) std::filesystem::remove_all(path_, ignored);
+  }
+  WorkFolder(const WorkFolder&) = delete;
+  WorkFolder& operator=(const WorkFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  bool kept_;
+  std::filesystem::path path_;
+};
+
+void keep_views(Scene& scene, int views) {
+  const AxisMask camera = only_camera_axes(scene);
+  for (size_t a = 0; a < scene.axes.size(); ++a) scene.axes[a].shape.samples = std::min(scene.axes[a].shape.samples, camera >> a & 1 ? views : 1);
+}
+
+struct Row {
+  std::string sampling;
+  NoiseCost cost;
+};
+
+nlohmann::json json_of(const Row& row) {
+  nlohmann::json layers = nlohmann::json::array();
+  for (const LayerCost& l : row.cost.layers)
+    layers.push_back({{"object", l.object}, {"layer", l.layer}, {"estimated_db", l.estimated_db}, {"frame_db", l.frame_db}, {"texture_db", l.texture_db}});
+  return {{"sampling", row.sampling}, {"rays_per_pixel", row.cost.rays_per_pixel}, {"seconds_per_frame", row.cost.seconds},
+          {"worst_texture_db", row.cost.worst_texture_db}, {"picture_db", row.cost.picture_db}, {"layers", layers}};
+}
+
+void print_row(const Row& row) {
+  const NoiseCost& c = row.cost;
+  fmt::print("{}: {:.1f} camera rays a pixel, {:.2f} s of processor time a frame", row.sampling, c.rays_per_pixel, c.seconds);
+  if (c.picture_db > 0) fmt::print("; between two seeds pictures {:.2f} dB, worst layer {:.2f} dB", c.picture_db, c.worst_texture_db);
+  fmt::print("\n  {:<20} {:<9} {:>9} {:>9} {:>9}\n", "object", "layer", "estimate", "frames", "textures");
+  for (const LayerCost& l : c.layers) fmt::print("  {:<20} {:<9} {:>9.2f} {:>9.2f} {:>9.2f}\n", l.object, l.layer, l.estimated_db, l.frame_db, l.texture_db);
+}
+
+// How many times the processor time of `by_need` even sampling takes for the same error: variance falls with the rays.
+double times_cheaper(const NoiseCost& even, const NoiseCost& by_need, double even_db, double by_need_db) {
+  return even.seconds / by_need.seconds * std::pow(10, (by_need_db - even_db) / 10);
+}
+
+}  // namespace
+
+void BenchNoiseCommand::run() const {
+  const auto jobs = limit_jobs(common);
+  const auto progress = make_progress(common);
+  int averaged = 1;
+  const auto loaded = load_scene_with(scene, common, [&](Scene& s) {
+    apply_preset(s, preset);
+    averaged = trace_options(s).views;
+    keep_views(s, views);
+  });
+  const WorkFolder folder(work);
+  const Store store(folder.path());
+  TraceOptions options = trace_options(*loaded);
+  options.views = std::min(averaged, std::max(1, views));
+  std::vector<Row> rows;
+  rows.push_back({"by need", measure_noise(*loaded, options, !frames_only, store, *progress)});
+  if (even > 0) {
+    options.noise_db = 0;
+    options.samples_per_pixel = even;
+    rows.push_back({"even", measure_noise(*loaded, options, !frames_only, store, *progress)});
+    // Again with as many rays as should leave the worst layer the same error.
+    const double missing = rows[0].cost.worst_texture_db - rows[1].cost.worst_texture_db;
+    options.samples_per_pixel = std::max(1, static_cast<int>(std::lround(even * std::pow(10, missing / 10))));
+    if (!frames_only) rows.push_back({"even", measure_noise(*loaded, options, true, store, *progress)});
+  }
+  nlohmann::json report = {{"bench", "noise"}, {"rows", nlohmann::json::array()}};
+  for (const Row& row : rows) report["rows"].push_back(json_of(row));
+  if (rows.size() == 3) {
+    const NoiseCost &by_need = rows[0].cost, &same = rows[2].cost;
+    report["times_cheaper_worst_layer"] = times_cheaper(same, by_need, same.worst_texture_db, by_need.worst_texture_db);
+    report["times_cheaper_picture"] = times_cheaper(same, by_need, same.picture_db, by_need.picture_db);
+  }
+  if (common.json) return print_json(report);
+  for (const Row& row : rows) print_row(row);
+  if (rows.size() == 3)
+    fmt::print("even sampling takes {:.2f} times as long for the same error of the worst layer, {:.2f} times for that of the pictures\n",
+               report["times_cheaper_worst_layer"].get<double>(), report["times_cheaper_picture"].get<double>());
+}
+
+}  // namespace vitrine
