@@ -9,10 +9,13 @@ namespace vitrine::trace {
 namespace {
 
 constexpr int kBins = 12;  // candidates for a split along each axis
-// A leaf of several lights: at most so many, their normals within this cosine of a common axis, and their surfaces filling this
-// share of their bounding sphere's disk (or they are several lamps, far apart).
-constexpr int kLeafLights = 1024;
-constexpr float kFlat = 0.85f, kFilled = 0.25f;
+// A leaf of several lights: at most so many, whose surfaces fill this share of their bounding sphere's disk. (Less, and they are
+// several lamps, far apart; more lights, and a surface is so large that distances matter.)
+constexpr int kLeafLights = 4096;
+constexpr float kFilled = 0.25f;
+constexpr float kFlat = 0.85f;             // cosine of half the cone of normals up to which octants make no difference
+constexpr float kNear = 1.5f;              // radii from a leaf's centre within which its lights are chosen by intensity
+constexpr float kLeastCosine = 0.05f;      // of a light to an octant that it faces away from: positive, since octants are coarse
 constexpr int kBalancedDepth = 16;         // below it, splits halve the count: no light is deeper than 32
 constexpr float kLeastIntensity = 1e-30f;  // in parts of the whole: positive after all products
 constexpr float kLeastDistance = 1e-6f;    // in parts of the tree's radius
@@ -71,7 +74,42 @@ struct Extent {
   }
 };
 
+int octant_of(const glm::vec3& v) { return (v.x < 0 ? 1 : 0) | (v.y < 0 ? 2 : 0) | (v.z < 0 ? 4 : 0); }
+
+// Root mean square, over directions of the octant, of what a light sends there: the choice in proportion to it has the least
+// variance over all of them.
+float cosine_to_octant(const LightBounds& light, int octant) {
+  constexpr int kSteps = 3;
+  const glm::vec3 sign(octant & 1 ? -1 : 1, octant & 2 ? -1 : 1, octant & 4 ? -1 : 1);
+  float squares = 0;
+  for (int i = 0; i < kSteps * kSteps; ++i) {  // evenly by solid angle: steps of the cosine and of the angle about it
+    const float z = (static_cast<float>(i % kSteps) + 0.5f) / kSteps, s = safe_sqrt(1 - z * z);
+    const float phi = kPi / 2 * (static_cast<float>(i / kSteps) + 0.5f) / kSteps;
+    const float cosine = glm::dot(light.axis, sign * glm::vec3(s * std::cos(phi), s * std::sin(phi), z));
+    squares += sqr(std::max(light.double_sided ? std::fabs(cosine) : cosine, 0.0f));
+  }
+  return std::max(std::sqrt(squares / (kSteps * kSteps)), kLeastCosine);
+}
+
 glm::vec3 center_of(const LightBounds& light) { return 0.5f * (light.low + light.high); }
+
+// Bins along each axis over the centres of lights.
+struct Grid {
+  glm::vec3 low{std::numeric_limits<float>::infinity()}, high{-std::numeric_limits<float>::infinity()};
+
+  void add(const glm::vec3& center) {
+    low = glm::min(low, center);
+    high = glm::max(high, center);
+  }
+  float extent(int axis) const { return high[axis] - low[axis]; }
+  int longest_axis() const {
+    const int axis = extent(1) > extent(0) ? 1 : 0;
+    return extent(2) > extent(axis) ? 2 : axis;
+  }
+  int bin(const glm::vec3& center, int axis) const {
+    return std::min(static_cast<int>((center[axis] - low[axis]) / extent(axis) * kBins), kBins - 1);
+  }
+};
 
 }  // namespace
 
@@ -96,12 +134,17 @@ class LightTree::Builder {
   void build();
 
  private:
+  struct Cut {
+    int axis = -1, bin = 0;  // the last bin of the first half
+    float cost = std::numeric_limits<float>::infinity();
+  };
   const LightBounds& light(int i) const { return lights_[static_cast<size_t>(tree_.order_[static_cast<size_t>(i)])]; }
   Range range(int first, int last) const;
   Cluster cluster_of(int first, int last) const;
   float cos_of_normals(int first, int last, const glm::vec3& axis) const;
   float depth_of(int first, int last, const Cluster& cluster) const;
   int split(const Range& range, bool balanced);
+  Cut cheapest_cut(const Range& range, const Grid& grid, int axis) const;
   int split_in_half(const Range& range, int axis);
   int32_t add_node(const Range& range, int depth, uint64_t trail);
   int32_t add_leaf(const Range& range, uint64_t trail);
@@ -128,8 +171,7 @@ LightTree::Range LightTree::Builder::range(int first, int last) const {
   const Cluster& c = r.cluster;
   const int count = last - first;
   r.cost = static_cast<float>(c.intensity / total_) * sqr(c.radius) * orientation_measure(c.cos_normals);
-  r.leaf =
-      count == 1 || (count <= kLeafLights && c.cos_normals >= kFlat && c.area > 0 && c.area >= kFilled * kPi * sqr(c.radius));
+  r.leaf = count == 1 || (count <= kLeafLights && c.area > 0 && c.area >= kFilled * kPi * sqr(c.radius));
   return r;
 }
 
@@ -185,45 +227,43 @@ float LightTree::Builder::depth_of(int first, int last, const Cluster& c) const 
 
 // The position in the order where the second half begins.
 int LightTree::Builder::split(const Range& r, bool balanced) {
-  glm::vec3 low(std::numeric_limits<float>::infinity()), high(-low);
-  for (int i = r.first; i < r.last; ++i) {
-    low = glm::min(low, center_of(light(i)));
-    high = glm::max(high, center_of(light(i)));
-  }
-  const glm::vec3 extent = high - low;
-  const float longest = max_component(extent);
-  const int longest_axis = longest == extent.x ? 0 : longest == extent.y ? 1 : 2;
-  if (balanced || !(longest > 0) || !std::isfinite(longest)) return split_in_half(r, longest_axis);
+  Grid grid;
+  for (int i = r.first; i < r.last; ++i) grid.add(center_of(light(i)));
+  const int longest = grid.longest_axis();
+  const float extent = grid.extent(longest);
+  if (balanced || !(extent > 0) || !std::isfinite(extent)) return split_in_half(r, longest);
 
-  const auto bin_of = [&](const LightBounds& l, int axis) {
-    const float t = (center_of(l)[axis] - low[axis]) / extent[axis];
-    return std::min(static_cast<int>(t * kBins), kBins - 1);
-  };
-  float best = std::numeric_limits<float>::infinity();
-  int best_axis = -1, best_bin = 0;
+  Cut best;
   for (int axis = 0; axis < 3; ++axis) {
-    if (!(extent[axis] > 0)) continue;
-    std::array<Extent, kBins> bins, left;  // left[b]: all bins to b
-    for (int i = r.first; i < r.last; ++i) bins[static_cast<size_t>(bin_of(light(i), axis))].add(light(i), light(r.first).axis);
-    left[0] = bins[0];
-    for (size_t b = 1; b < kBins; ++b) (left[b] = left[b - 1]).add(bins[b]);
-    Extent right;
-    for (int b = kBins - 2; b >= 0; --b) {
-      right.add(bins[static_cast<size_t>(b) + 1]);
-      const Extent& other = left[static_cast<size_t>(b)];
-      if (other.count == 0 || right.count == 0) continue;
-      const float cost = (other.cost() + right.cost()) * (longest / extent[axis]);  // thin slices are bad clusters
-      if (!(cost < best)) continue;
-      best = cost;
-      best_axis = axis;
-      best_bin = b;
-    }
+    if (!(grid.extent(axis) > 0)) continue;
+    Cut cut = cheapest_cut(r, grid, axis);
+    cut.cost *= extent / grid.extent(axis);  // thin slices are bad clusters
+    if (cut.cost < best.cost) best = cut;
   }
-  if (best_axis < 0) return split_in_half(r, longest_axis);
+  if (best.axis < 0) return split_in_half(r, longest);
   const auto begin = tree_.order_.begin();
-  const auto middle = std::stable_partition(
-      begin + r.first, begin + r.last, [&](int32_t i) { return bin_of(lights_[static_cast<size_t>(i)], best_axis) <= best_bin; });
+  const auto middle = std::stable_partition(begin + r.first, begin + r.last, [&](int32_t i) {
+    return grid.bin(center_of(lights_[static_cast<size_t>(i)]), best.axis) <= best.bin;
+  });
   return static_cast<int>(middle - begin);
+}
+
+LightTree::Builder::Cut LightTree::Builder::cheapest_cut(const Range& r, const Grid& grid, int axis) const {
+  std::array<Extent, kBins> bins, left;  // left[b]: all bins to b
+  for (int i = r.first; i < r.last; ++i) {
+    bins[static_cast<size_t>(grid.bin(center_of(light(i)), axis))].add(light(i), light(r.first).axis);
+  }
+  left[0] = bins[0];
+  for (size_t b = 1; b < kBins; ++b) (left[b] = left[b - 1]).add(bins[b]);
+  Cut best;
+  Extent right;
+  for (int b = kBins - 2; b >= 0; --b) {
+    right.add(bins[static_cast<size_t>(b) + 1]);
+    const Extent& other = left[static_cast<size_t>(b)];
+    const float cost = other.cost() + right.cost();
+    if (other.count > 0 && right.count > 0 && cost < best.cost) best = {axis, b, cost};
+  }
+  return best;
 }
 
 int LightTree::Builder::split_in_half(const Range& r, int axis) {
@@ -276,13 +316,26 @@ int32_t LightTree::Builder::add_node(const Range& all, int depth, uint64_t trail
 }
 
 int32_t LightTree::Builder::add_leaf(const Range& r, uint64_t trail) {
-  std::vector<float> intensities;
-  for (int i = r.first; i < r.last; ++i) {
-    tree_.places_[static_cast<size_t>(tree_.order_[static_cast<size_t>(i)])] = {trail, i - r.first};
-    intensities.push_back(std::max(static_cast<float>(light(i).intensity / total_), kLeastIntensity));
+  Leaf leaf{r.cluster.center, sqr(kNear * r.cluster.radius), r.first};
+  const size_t count = static_cast<size_t>(r.last - r.first);
+  std::vector<float> intensities(count), weights(count);
+  for (size_t i = 0; i < count; ++i) {
+    const auto index = static_cast<size_t>(tree_.order_[static_cast<size_t>(r.first) + i]);
+    tree_.places_[index] = {trail, static_cast<int32_t>(i)};
+    intensities[i] = std::max(static_cast<float>(lights_[index].intensity / total_), kLeastIntensity);
   }
-  const bool one = intensities.size() == 1;
-  tree_.leaves_.push_back({r.first, one ? AliasTable() : AliasTable(intensities)});
+  if (count > 1) {
+    leaf.table = static_cast<int32_t>(tree_.tables_.size());
+    leaf.octants = r.cluster.cos_normals < kFlat;
+    tree_.tables_.emplace_back(intensities);
+  }
+  for (int octant = 0; leaf.octants && octant < 8; ++octant) {
+    for (size_t i = 0; i < count; ++i) {
+      weights[i] = intensities[i] * cosine_to_octant(light(r.first + static_cast<int>(i)), octant);
+    }
+    tree_.tables_.emplace_back(weights);
+  }
+  tree_.leaves_.push_back(leaf);
   return static_cast<int32_t>((tree_.leaves_.size() - 1) << 2) | kLeaf;
 }
 
@@ -348,10 +401,17 @@ int LightTree::sample(const View& view, float u, float& probability) const {
     link = node.link[slot];
   }
   const Leaf& leaf = leaves_[index_of(link)];
-  if (leaf.table.empty()) return order_[static_cast<size_t>(leaf.first)];
-  const int i = leaf.table.sample(u);
-  probability *= leaf.table.probability(i);
+  if (leaf.table < 0) return order_[static_cast<size_t>(leaf.first)];
+  const AliasTable& table = table_of(leaf, view.receiver.position);
+  const int i = table.sample(u);
+  probability *= table.probability(i);
   return order_[static_cast<size_t>(leaf.first + i)];
+}
+
+inline const AliasTable& LightTree::table_of(const Leaf& leaf, const glm::vec3& position) const {
+  const glm::vec3 offset = position - leaf.center;
+  const bool far = leaf.octants && glm::dot(offset, offset) > leaf.near2;
+  return tables_[static_cast<size_t>(leaf.table + (far ? 1 + octant_of(offset) : 0))];
 }
 
 float LightTree::probability(const View& view, int light) const {
@@ -367,7 +427,8 @@ float LightTree::probability(const View& view, int light) const {
     link = node.link[slot];
   }
   const Leaf& leaf = leaves_[index_of(link)];
-  return leaf.table.empty() ? probability : probability * leaf.table.probability(place.in_leaf);
+  if (leaf.table < 0) return probability;
+  return probability * table_of(leaf, view.receiver.position).probability(place.in_leaf);
 }
 
 float LightTree::irradiance(const View& view) const {

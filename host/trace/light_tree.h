@@ -5,10 +5,10 @@
 // Adaptive Tree Splitting", 2018; the bound of a node's importance is that of Pharr, Jakob and Humphreys, "Physically Based
 // Rendering", 4th edition, 12.6.3.
 //
-// Nodes have four children side by side, so that one pass of vector arithmetic weighs them. Triangles that face one way and fill
-// the place that they take are not told apart: they are one leaf, within which an alias table chooses by intensity. A finely
-// tessellated ball so costs a weighing or two, and a lamp of a few triangles that face one way is a single leaf, which costs
-// none.
+// Nodes have four children side by side, so that one pass of vector arithmetic weighs them. Triangles that together fill the
+// place that they take are not told apart by distance: a lamp, however finely it is tessellated, is one leaf. Alias tables
+// choose within it, one for each octant of the directions that it may be seen from, so that its far side is not asked. A lamp
+// alone costs no weighing at all.
 #pragma once
 
 #include <cstdint>
@@ -75,8 +75,11 @@ class LightTree {
     int32_t link __attribute__((vector_size(4 * kWidth)));
   };
   struct Leaf {
-    int32_t first = 0;  // in order_
-    AliasTable table;   // of its lights; empty where it is one
+    glm::vec3 center{0};
+    float near2 = 0;       // squared distance from the centre below which the lights face every which way
+    int32_t first = 0;     // in order_
+    int32_t table = -1;    // in tables_: by intensity; -1 for a single light
+    bool octants = false;  // eight tables more follow it
   };
   // Where a light is: which slots lead to it from the root, two bits each, the first lowest; and its place in the leaf.
   struct Place {
@@ -93,9 +96,11 @@ class LightTree {
 
   static int pick_slot(const Quad& weights, float& u, float& probability);
   Quad weigh(const Node& node, const LightReceiver& receiver) const;
+  const AliasTable& table_of(const Leaf& leaf, const glm::vec3& position) const;
 
   std::vector<Node> nodes_;
   std::vector<Leaf> leaves_;
+  std::vector<AliasTable> tables_;
   std::vector<int32_t> order_;  // lights, leaf by leaf
   std::vector<Place> places_;   // by light
   int32_t start_ = kRoot;       // or the link to the only leaf

@@ -206,6 +206,21 @@ TEST(LightSelection, LampsThatFaceAwayAreNeverChosenWhereOthersLight) {
   EXPECT_GT(lit, 1800);  // the rest chose a cluster that turned out to hold none that lights the point
 }
 
+TEST(LightSelection, TheFarSideOfABallLampIsSeldomAsked) {
+  Scene scene = scene_with_camera({0, 2, 3}, {0, 0, 0}, 0.5f);
+  add_object(scene, make_sphere({1, 2, 0}, 0.2f, 24), add_material(scene, lamp(glm::vec3(1))), "ball");
+  const Laboratory laboratory(scene);
+  std::mt19937 random(1);
+  int lit = 0;
+  for (int i = 0; i < 2000; ++i) {
+    LightSample sample;
+    const glm::vec3 position = glm::vec3(1, 2, 0) + (0.5f + 3 * uniform(random)) * direction(random);
+    const float pick = uniform(random);
+    lit += laboratory.lights.sample(laboratory.lights.view({position, glm::vec3(0)}), pick, {0.5f, 0.5f}, sample);
+  }
+  EXPECT_GT(3 * lit, 2 * 2000);  // by power alone it is less than a half
+}
+
 // All kinds of lights in one room.
 Scene room_of_all_lights() {
   Scene scene = scene_with_camera({0, 2, 3}, {0, 0, 0}, 0.5f);
