@@ -64,34 +64,35 @@ struct Side {
   Inference inference;
 };
 
-void compare_textures(const Scene& scene, const Store& store, const Side sides[2], LayerDifferences& differences) {
-  const ParameterSpace space = scene.space();
-  const float exposure = scene.settings.exposure;
-  for (const Field& field : sides[0].inference.fields) {
-    const auto same = [&](const Field& f) { return f.drawn_object == field.drawn_object && f.layer == field.layer; };
-    const auto other = std::find_if(sides[1].inference.fields.begin(), sides[1].inference.fields.end(), same);
-    if (other == sides[1].inference.fields.end()) continue;
-    const int object = sides[0].inference.objects[static_cast<size_t>(field.drawn_object)].object;
-    Difference& d = differences[{object, field.layer == layer_name(Layer::kDiffuse) ? Layer::kDiffuse : Layer::kSpecular}];
-    for (int64_t sample = 0; sample < space.sample_count(); ++sample) {
-      const int64_t own = field_sample_of(space, field.axes, sample);
-      const LinearTexture a = load_field_texture(store, field, own), b = load_field_texture(store, *other, own);
-      const LinearTexture whole = load_object_texture(store, scene, sides[0].inference, field.drawn_object, sample);
-      for (size_t t = 0; t < a.texels.size() && t < b.texels.size(); ++t)
-        d.add(exposure * whole.texels[t], exposure * a.texels[t], exposure * b.texels[t], static_cast<double>(field.importance[t]));
-    }
-  }
+// Which object a pixel shows: the one that covers half of it or more, or -1.
+std::vector<int> objects_of_pixels(const Frame& frame) {
+  std::vector<int> objects(frame.combined.size(), -1);
+  for (const ObjectFrame& o : frame.objects)
+    for (int i = 0; i < o.width * o.height; ++i)
+      if (o.coverage[static_cast<size_t>(i)] >= 0.5f)
+        objects[static_cast<size_t>((o.y + i / o.width) * frame.width + o.x + i % o.width)] = o.object;
+  return objects;
 }
 
-double picture_db(const Scene& scene, const Store& store, const Side sides[2], hal::Gpu& gpu) {
+// Pictures drawn with either side's textures, by object; -1: whole pictures.
+std::map<int, Difference> compare_drawn(const Scene& scene, const Store& store, const Side sides[2], hal::Gpu& gpu) {
   const InferenceOptions options = inference_options(scene, kSupersampling);
-  Difference d;
+  const float exposure = scene.settings.exposure;
+  std::map<int, Difference> differences;
   for (int64_t sample = 0; sample < scene.space().sample_count(); ++sample) {
+    const auto frame = store.load_frame(sides[0].keys[static_cast<size_t>(sample)], scene);
+    if (!frame) throw InputError("work folder", "a frame is gone", "check that it has room, and that nothing else writes to it");
+    const std::vector<int> objects = objects_of_pixels(*frame);
     const auto a = draw_inferred(store, scene, sides[0].inference, options, gpu, sample);
     const auto b = draw_inferred(store, scene, sides[1].inference, options, gpu, sample);
-    for (size_t i = 0; i < a.size(); ++i) d.add(0.5f * (a[i] + b[i]) * scene.settings.exposure, a[i] * scene.settings.exposure, b[i] * scene.settings.exposure, 1);
+    for (size_t i = 0; i < a.size(); ++i) {
+      for (const int object : {-1, objects[i]}) {
+        differences[object].add(0.5f * exposure * (a[i] + b[i]), exposure * a[i], exposure * b[i], 1);
+        if (objects[i] < 0) break;
+      }
+    }
   }
-  return d.db();
+  return differences;
 }
 
 }  // namespace
@@ -101,7 +102,7 @@ NoiseCost measure_noise(const Scene& scene, const TraceOptions& options, bool in
   const StoreKey base = scene_key(scene);
   const auto frames = static_cast<double>(2 * space.sample_count());
   NoiseCost cost;
-  LayerDifferences in_frames, in_textures;
+  LayerDifferences in_frames;
   std::map<std::pair<int, Layer>, std::vector<double>> estimates;
   Side sides[2];
   Tracer tracer(scene);
@@ -134,19 +135,21 @@ NoiseCost measure_noise(const Scene& scene, const TraceOptions& options, bool in
     if (!gpu.ok()) throw InputError("OSMesa", gpu.status().detail(), "install the packages of tools/packages.txt");
     for (Side& side : sides)
       side.inference = infer_textures(scene, side.keys, store, *gpu.value(), inference_options(scene, kSupersampling), progress);
-    compare_textures(scene, store, sides, in_textures);
-    cost.picture_db = picture_db(scene, store, sides, *gpu.value());
+    cost.worst_db = 99;
+    for (const auto& [object, difference] : compare_drawn(scene, store, sides, *gpu.value())) {
+      if (object < 0) {
+        cost.picture_db = difference.db();
+      } else {
+        cost.drawn.push_back({scene.objects[static_cast<size_t>(object)].name, difference.db()});
+        cost.worst_db = std::min(cost.worst_db, difference.db());
+      }
+    }
   }
-  cost.worst_texture_db = infer ? 99 : 0;
   for (const auto& [key, difference] : in_frames) {
     if (!(difference.sum > 0)) continue;  // a layer without light
     const std::vector<double>& e = estimates[key];
-    LayerCost layer{scene.objects[static_cast<size_t>(key.first)].name, layer_name(key.second), 0, difference.db(), 0};
+    LayerCost layer{scene.objects[static_cast<size_t>(key.first)].name, layer_name(key.second), 0, difference.db()};
     for (const double db : e) layer.estimated_db += db / static_cast<double>(e.size());
-    if (const auto found = in_textures.find(key); found != in_textures.end()) {
-      layer.texture_db = found->second.db();
-      cost.worst_texture_db = std::min(cost.worst_texture_db, layer.texture_db);
-    }
     cost.layers.push_back(layer);
   }
   return cost;

@@ -19,15 +19,21 @@ struct LayerCost {
   std::string object, layer;
   double estimated_db = 0;  // by the tracer, the mean over frames of what it expects to be left in textures
   double frame_db = 0;      // in the frames
-  double texture_db = 0;    // in the inferred textures, texels weighted by the pixels that they feed; 0 where not inferred
+};
+
+// One object in pictures drawn with the inferred textures, over the pixels that it covers by half or more.
+struct DrawnCost {
+  std::string object;
+  double db = 0;
 };
 
 struct NoiseCost {
   double rays_per_pixel = 0;      // camera rays, mean over frames
   double seconds = 0;             // processor time for one frame
   std::vector<LayerCost> layers;  // ascending objects
-  double worst_texture_db = 0;    // of all layers
-  double picture_db = 0;          // of pictures drawn with the inferred textures
+  std::vector<DrawnCost> drawn;   // ascending objects; empty where nothing was inferred
+  double worst_db = 0;            // of `drawn`
+  double picture_db = 0;          // of whole drawn pictures
 };
 
 // Traces all grid samples of the scene with `options` and two seeds, and with `infer` solves their textures, in `store`.

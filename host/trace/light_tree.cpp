@@ -384,8 +384,8 @@ inline LightTree::Quad LightTree::weigh(const Node& n, const LightReceiver& rece
   return over > 0 ? lit * received : Quad{};
 }
 
-LightTree::View LightTree::view(const LightReceiver& receiver) const {
-  return {receiver, start_ == kRoot && !empty() ? weigh(nodes_[0], receiver) : Quad{}};
+LightTree::Quad LightTree::root_weights(const LightReceiver& receiver) const {
+  return empty() ? Quad{} : weigh(nodes_[0], receiver);
 }
 
 int LightTree::sample(const View& view, float u, float& probability) const {
@@ -432,8 +432,7 @@ float LightTree::probability(const View& view, int light) const {
 }
 
 float LightTree::irradiance(const View& view) const {
-  if (empty()) return 0;
-  const Quad root = start_ == kRoot ? view.root : weigh(nodes_[0], view.receiver);
+  const Quad root = start_ == kRoot ? view.root : root_weights(view.receiver);
   return std::min(total_intensity_ * (root[0] + root[1] + root[2] + root[3]), 1e30f);
 }
 

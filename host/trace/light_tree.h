@@ -56,7 +56,7 @@ class LightTree {
   // Depends on nothing but the lights and their order.
   explicit LightTree(std::span<const LightBounds> lights);
   bool empty() const { return order_.empty(); }
-  View view(const LightReceiver& receiver) const;
+  View view(const LightReceiver& receiver) const { return {receiver, start_ == kRoot ? root_weights(receiver) : Quad{}}; }
   // The index of a light for u in [0, 1), and its probability; -1 where no light can reach the receiver.
   int sample(const View& view, float u, float& probability) const;
   // The probability with which sample() finds the light.
@@ -96,6 +96,7 @@ class LightTree {
 
   static int pick_slot(const Quad& weights, float& u, float& probability);
   Quad weigh(const Node& node, const LightReceiver& receiver) const;
+  Quad root_weights(const LightReceiver& receiver) const;
   const AliasTable& table_of(const Leaf& leaf, const glm::vec3& position) const;
 
   std::vector<Node> nodes_;

@@ -138,12 +138,6 @@ float Lights::directional_irradiance(const LightReceiver& receiver) const {
   return sum;
 }
 
-Lights::View Lights::view(const LightReceiver& receiver) const {
-  View view{tree_.view(receiver), {}};
-  if (!directional_.empty() || environment_.sampled()) view.shares = shares(view.tree);
-  return view;
-}
-
 // In proportion to irradiance without shadows; but the environment's samples come from all around, and half of them are for
 // receivers that face the other way, so it counts twice. What gives light at all keeps a share: a lamp may be hidden where the
 // sky is not. (Shares by power would give almost all samples to the sky wherever the scene is large and the lamp small.)
@@ -163,7 +157,8 @@ bool Lights::sample(const View& view, float pick, const glm::vec2& u, LightSampl
   float probability;
   if (pick < s.tree) {
     probability = s.tree;
-    if (!sample_placed(view.tree, std::min(pick / s.tree, kBeforeOne), u, sample)) return false;
+    const float rest = s.tree < 1 ? std::min(pick / s.tree, kBeforeOne) : pick;  // mostly 1, and divisions take long
+    if (!sample_placed(view.tree, rest, u, sample)) return false;
   } else if (pick -= s.tree; pick < s.directional || !(s.environment > 0)) {
     probability = s.directional;
     if (!sample_directional(view.receiver(), std::min(pick / s.directional, kBeforeOne), sample)) return false;

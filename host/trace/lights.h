@@ -39,7 +39,11 @@ class Lights {
     Shares shares;
     const LightReceiver& receiver() const { return tree.receiver; }
   };
-  View view(const LightReceiver& receiver) const;
+  View view(const LightReceiver& receiver) const {
+    View view{tree_.view(receiver), {}};
+    if (!directional_.empty() || environment_.sampled()) view.shares = shares(view.tree);
+    return view;
+  }
   // One light, and one point of it. False where it gives the receiver no light.
   bool sample(const View& view, float pick, const glm::vec2& u, LightSample& sample) const;
   // The density with which sample() finds a point of an emissive surface that a ray of `direction` from the receiver met at

@@ -50,17 +50,22 @@ struct Row {
 nlohmann::json json_of(const Row& row) {
   nlohmann::json layers = nlohmann::json::array();
   for (const LayerCost& l : row.cost.layers)
-    layers.push_back({{"object", l.object}, {"layer", l.layer}, {"estimated_db", l.estimated_db}, {"frame_db", l.frame_db}, {"texture_db", l.texture_db}});
+    layers.push_back({{"object", l.object}, {"layer", l.layer}, {"estimated_db", l.estimated_db}, {"frame_db", l.frame_db}});
+  nlohmann::json drawn = nlohmann::json::object();
+  for (const DrawnCost& d : row.cost.drawn) drawn[d.object] = d.db;
   return {{"sampling", row.sampling}, {"rays_per_pixel", row.cost.rays_per_pixel}, {"seconds_per_frame", row.cost.seconds},
-          {"worst_texture_db", row.cost.worst_texture_db}, {"picture_db", row.cost.picture_db}, {"layers", layers}};
+          {"worst_db", row.cost.worst_db}, {"picture_db", row.cost.picture_db}, {"layers", layers}, {"drawn_db", drawn}};
 }
 
 void print_row(const Row& row) {
   const NoiseCost& c = row.cost;
   fmt::print("{}: {:.1f} camera rays a pixel, {:.2f} s of processor time a frame", row.sampling, c.rays_per_pixel, c.seconds);
-  if (c.picture_db > 0) fmt::print("; between two seeds pictures {:.2f} dB, worst layer {:.2f} dB", c.picture_db, c.worst_texture_db);
-  fmt::print("\n  {:<20} {:<9} {:>9} {:>9} {:>9}\n", "object", "layer", "estimate", "frames", "textures");
-  for (const LayerCost& l : c.layers) fmt::print("  {:<20} {:<9} {:>9.2f} {:>9.2f} {:>9.2f}\n", l.object, l.layer, l.estimated_db, l.frame_db, l.texture_db);
+  fmt::print("\n  between two seeds, dB       by layer:  estimated  in frames\n");
+  for (const LayerCost& l : c.layers) fmt::print("  {:<24} {:<9} {:>12.2f} {:>10.2f}\n", l.object, l.layer, l.estimated_db, l.frame_db);
+  if (c.drawn.empty()) return;
+  fmt::print("  drawn with textures:");
+  for (const DrawnCost& d : c.drawn) fmt::print(" {} {:.2f}", d.object, d.db);
+  fmt::print(", whole pictures {:.2f}\n", c.picture_db);
 }
 
 // How many times the processor time of `by_need` even sampling takes for the same error: variance falls with the rays.
@@ -89,8 +94,8 @@ void BenchNoiseCommand::run() const {
     options.noise_db = 0;
     options.samples_per_pixel = even;
     rows.push_back({"even", measure_noise(*loaded, options, !frames_only, store, *progress)});
-    // Again with as many rays as should leave the worst layer the same error.
-    const double missing = rows[0].cost.worst_texture_db - rows[1].cost.worst_texture_db;
+    // Again with as many rays as should leave the worst object the same error.
+    const double missing = rows[0].cost.worst_db - rows[1].cost.worst_db;
     options.samples_per_pixel = std::max(1, static_cast<int>(std::lround(even * std::pow(10, missing / 10))));
     if (!frames_only) rows.push_back({"even", measure_noise(*loaded, options, true, store, *progress)});
   }
@@ -98,14 +103,14 @@ void BenchNoiseCommand::run() const {
   for (const Row& row : rows) report["rows"].push_back(json_of(row));
   if (rows.size() == 3) {
     const NoiseCost &by_need = rows[0].cost, &same = rows[2].cost;
-    report["times_cheaper_worst_layer"] = times_cheaper(same, by_need, same.worst_texture_db, by_need.worst_texture_db);
+    report["times_cheaper_worst_object"] = times_cheaper(same, by_need, same.worst_db, by_need.worst_db);
     report["times_cheaper_picture"] = times_cheaper(same, by_need, same.picture_db, by_need.picture_db);
   }
   if (common.json) return print_json(report);
   for (const Row& row : rows) print_row(row);
   if (rows.size() == 3)
-    fmt::print("even sampling takes {:.2f} times as long for the same error of the worst layer, {:.2f} times for that of the pictures\n",
-               report["times_cheaper_worst_layer"].get<double>(), report["times_cheaper_picture"].get<double>());
+    fmt::print("even sampling takes {:.2f} times as long for the same error of the worst object, {:.2f} times for that of the pictures\n",
+               report["times_cheaper_worst_object"].get<double>(), report["times_cheaper_picture"].get<double>());
 }
 
 }  // namespace vitrine
