@@ -18,6 +18,7 @@ glm::vec3 visible_normal(const glm::vec3& shading, const glm::vec3& geometric, c
   constexpr float kLeast = 0.01f;
   const float cosine = glm::dot(shading, wo);
   const glm::vec3 seen = cosine > kLeast ? shading : glm::normalize(shading + (kLeast - cosine) * wo);
+  if (glm::dot(seen, geometric) > 0.9999f) return seen;
   const glm::vec3 mirrored = mirror(wo, seen);
   const float height = glm::dot(mirrored, geometric);
   return height > 0 ? seen : glm::normalize(wo + glm::normalize(mirrored + (kLeast - height) * geometric));

@@ -318,14 +318,16 @@ Integrator::Direct Integrator::weigh_through_glass(const Candidate& c, const Bsd
 bool Integrator::scatter(Path& path, const Surface& surface, const Bsdf& bsdf, Continuation continuation,
                          Sampler& sampler, const Stratum& stratum) const {
   const glm::vec2 u = sampler.get2d();
-  float lobe = std::min((static_cast<float>(stratum.index) + sampler.get1d()) / static_cast<float>(stratum.count), 0x1.fffffep-1f);
   float diffuse_chance = continuation == Continuation::kDiffuse ? 1.0f : 0.0f;
   if (continuation == Continuation::kEither) {
     if (!bsdf.has_diffuse() && !bsdf.has_specular()) return false;
     diffuse_chance = bsdf.diffuse_probability();
   }
+  float lobe = 0;
+  if (diffuse_chance < 1)
+    lobe = std::min((static_cast<float>(stratum.index) + sampler.get1d()) / static_cast<float>(stratum.count), 0x1.fffffep-1f);
   BsdfSample sample;
-  if (lobe < diffuse_chance) {
+  if (diffuse_chance == 1 || lobe < diffuse_chance) {
     if (!bsdf.sample_diffuse(u, sample)) return false;
   } else {
     lobe = std::min((lobe - diffuse_chance) / (1 - diffuse_chance), 0x1.fffffep-1f);

@@ -86,21 +86,23 @@ void Lights::add_emitters(const World& world, std::vector<LightBounds>& bounds) 
       e.edge2 = corner(2) - e.corner;
       const glm::vec3 cross = glm::cross(e.edge1, e.edge2);
       const float length = glm::length(cross);
-      e.area = 0.5f * length;
+      const float area = 0.5f * length;
       e.textured = material.source->emissive_texture || material.cut;
       e.double_sided = material.source->double_sided;
       const float mean = e.textured ? mean_emission(posed, material, static_cast<int>(t)) : luminance(material.source->emissive);
-      const float intensity = posed.emission * mean * e.area;
+      const float intensity = posed.emission * mean * area;
       if (!(intensity > 0) || !std::isfinite(intensity)) continue;
-      e.normal = cross * (posed.orientation / length);
-      e.radiance = posed.emission * material.source->emissive;
+      e.front = posed.orientation * cross;
+      const glm::vec3 radiance = posed.emission * material.source->emissive;
+      if (radiances_.empty() || radiances_.back() != radiance) radiances_.push_back(radiance);
+      e.radiance = static_cast<int32_t>(radiances_.size()) - 1;
       e.object = static_cast<int>(o);
       e.triangle = static_cast<int>(t);
       auto& map = emitter_of_triangle_[o];
       if (map.empty()) map.assign(triangles, -1);
       map[t] = static_cast<int>(emitters_.size());
       emitters_.push_back(e);
-      bounds.push_back(bounds_of(e.corner, e.edge1, e.edge2, e.normal, intensity, e.area, e.double_sided));
+      bounds.push_back(bounds_of(e.corner, e.edge1, e.edge2, e.front / length, intensity, area, e.double_sided));
     }
   }
 }
@@ -210,10 +212,10 @@ bool Lights::sample_emitter(const Emitter& e, const glm::vec3& from, const glm::
   if (!(distance2 > 0)) return false;
   sample.distance = std::sqrt(distance2);
   sample.wi = offset / sample.distance;
-  const float cosine = -glm::dot(sample.wi, e.normal);
-  if (cosine <= 0 && !e.double_sided) return false;
-  sample.pdf = distance2 / std::max(std::fabs(cosine) * e.area, 1e-20f);
-  sample.radiance = e.radiance;
+  const float seen = -0.5f * glm::dot(sample.wi, e.front);  // area times cosine
+  if (seen <= 0 && !e.double_sided) return false;
+  sample.pdf = distance2 / std::max(std::fabs(seen), 1e-20f);
+  sample.radiance = radiances_[static_cast<size_t>(e.radiance)];
   if (e.textured) {
     const PosedObject& posed = world_->objects()[static_cast<size_t>(e.object)];
     sample.radiance = posed.emission * covered_emission_at(*posed.textures, posed.material(static_cast<size_t>(e.triangle)),
@@ -245,7 +247,7 @@ float Lights::surface_pdf(const LightReceiver& receiver, const Surface& surface,
   const int index = map.empty() ? -1 : map[static_cast<size_t>(surface.triangle)];
   if (index < 0) return 0;
   const float cosine = std::fabs(glm::dot(direction, surface.geometric));
-  const float area = emitters_[static_cast<size_t>(index)].area;
+  const float area = 0.5f * glm::length(emitters_[static_cast<size_t>(index)].front);
   const View seen = view(receiver);
   const float probability = seen.shares.tree * tree_.probability(seen.tree, index);
   return probability * distance * distance / std::max(cosine * area, 1e-20f);

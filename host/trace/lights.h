@@ -54,11 +54,12 @@ class Lights {
   const EnvironmentLight& environment() const { return environment_; }
 
  private:
-  struct Emitter {
-    glm::vec3 corner, edge1, edge2, normal;
-    glm::vec3 radiance;  // without texture
-    float area;
-    int object, triangle;
+  // One cache line.
+  struct alignas(64) Emitter {
+    glm::vec3 corner, edge1, edge2;
+    glm::vec3 front;   // the normal, as long as twice the area
+    int32_t radiance;  // index into radiances_: without texture
+    int32_t object, triangle;
     bool double_sided, textured;
   };
   struct Punctual {
@@ -78,6 +79,7 @@ class Lights {
   const World* world_;
   EnvironmentLight environment_;
   std::vector<Emitter> emitters_;
+  std::vector<glm::vec3> radiances_;  // that some emitters have in common
   std::vector<Punctual> punctual_;  // points and spots
   std::vector<Punctual> directional_;
   std::vector<std::vector<int>> emitter_of_triangle_;  // per object: empty, or an index (or -1) per triangle

@@ -3,7 +3,7 @@
 // Padded (0,2)-sequences: every pair of dimensions of a pixel is a shuffled and digitally shifted copy of the first two Sobol'
 // dimensions (Kollig & Keller 2002; the shuffle of indices is an Owen scramble by Vegdahl's hash, as in Burley, "Practical
 // Hash-based Owen Scrambling", JCGT 2020). A sample is a function of (pixel, sample index, seed, dimension) alone, so pictures
-// do not depend on tiles or threads. Deep path vertices, where stratification is lost anyway, draw from a hash.
+// do not depend on tiles or threads. Deep path vertices, where stratification is lost anyway, draw from a generator that a hash seeds.
 #pragma once
 
 #include <array>
@@ -29,19 +29,20 @@ class Sampler {
   void start_vertex(uint32_t stream, uint32_t vertex) {
     dimension_ = (stream << 16) | (vertex << 4);
     stratified_ = vertex < kStratifiedVertices;
+    if (!stratified_) state_ = hash_u32(pixel_hash_ ^ (dimension_ * 0x9e3779b9u)) + hash_u32(index_);
   }
   // Uniform in [0, 1). At most 16 calls per vertex.
   float get1d() {
+    if (!stratified_) return to_unit(next_random());
     const uint32_t h = next_dimension();
-    if (!stratified_) return to_unit(hash_u32(h + index_ * 0x9e3779b9u));
     return to_unit(shuffled(h) ^ (h * 0xb5297a4du));
   }
   glm::vec2 get2d() {
-    const uint32_t h = next_dimension();
     if (!stratified_) {
-      const uint32_t a = hash_u32(h + index_ * 0x9e3779b9u);
-      return {to_unit(a), to_unit(hash_u32(a + 0x68e31da4u))};
+      const float x = to_unit(next_random());
+      return {x, to_unit(next_random())};
     }
+    const uint32_t h = next_dimension();
     const uint32_t x = shuffled(h);
     return {to_unit(x ^ (h * 0xb5297a4du)), to_unit(kSecondDimension[x >> (32 - kTableBits)] ^ (h * 0x1b56c4f5u))};
   }
@@ -67,13 +68,19 @@ class Sampler {
   }
   static float to_unit(uint32_t bits) { return static_cast<float>(bits >> 8) * 0x1p-24f; }
   static std::array<uint32_t, kTableSize> make_second_dimension();
+  // PCG RXS M XS 32 (O'Neill 2014).
+  uint32_t next_random() {
+    state_ = state_ * 747796405u + 2891336453u;
+    const uint32_t word = ((state_ >> ((state_ >> 28) + 4)) ^ state_) * 277803737u;
+    return (word >> 22) ^ word;
+  }
   uint32_t next_dimension() { return hash_u32(pixel_hash_ ^ (dimension_++ * 0x9e3779b9u)); }
   // The first Sobol' dimension at a shuffled index: a bit-reversed index. Indices below a power of two stay below it.
   uint32_t shuffled(uint32_t seed) const { return scramble_reversed(index_reversed_, seed); }
 
   static constexpr uint32_t kStratifiedVertices = 3;
   uint32_t pixel_hash_, index_reversed_, index_;
-  uint32_t dimension_ = 0;
+  uint32_t dimension_ = 0, state_ = 0;
   bool stratified_ = true;
 };
 
