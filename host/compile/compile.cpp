@@ -30,7 +30,7 @@ int views_averaged(const Scene& scene) {
   int views = 1;
   for (size_t a = 0; a < scene.axes.size(); ++a)
     if (axes >> a & 1) views *= scene.axes[a].shape.samples;
-  return views >= 16 ? 16 : views >= 4 ? 4 : 1;
+  return views >= 32 ? 32 : views >= 8 ? 8 : views >= 2 ? 2 : 1;
 }
 
 // The target draws rigid meshes.

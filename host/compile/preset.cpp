@@ -35,14 +35,14 @@ void apply_preset(Scene& scene, const std::string& name) {
   if (name == "small") {
     settings.width = divided(settings.width, 2);
     settings.height = divided(settings.height, 2);
-    settings.noise_db = std::max(10.0f, settings.noise_db - 7);
+    settings.noise_db = std::max(10.0f, settings.noise_db - 10);
     reduce_axes(scene, [](int samples) { return std::max(2, (samples + 1) / 2); });
   } else if (name == "tiny") {
     // So few samples share nothing: a ratio that suits the whole scene would not even hold the meshes.
     settings.storage = std::to_string(storage_bytes(settings.storage, scene, scene.file.string())) + " B";
     settings.width = divided(settings.width, 4);
     settings.height = divided(settings.height, 4);
-    settings.noise_db = std::max(10.0f, settings.noise_db - 15);
+    settings.noise_db = std::max(10.0f, settings.noise_db - 18);
     settings.samples_per_pixel = std::min(settings.samples_per_pixel, 8);
     reduce_axes(scene, [](int) { return 3; });
   } else {

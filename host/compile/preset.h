@@ -12,8 +12,8 @@ namespace vitrine {
 
 // name   resolution  samples per axis              noise             storage
 // full   as written  as written                    as written        as written
-// small  half        half (at least 2)             7 dB more         as written
-// tiny   a quarter   at most 3                     15 dB more, at    what `full` would get
+// small  half        half (at least 2)             10 dB more        as written
+// tiny   a quarter   at most 3                     18 dB more, at    what `full` would get
 //                                                  most 8 rays a pixel
 // Discrete axes keep all their values. Throws InputError for another name.
 void apply_preset(Scene& scene, const std::string& name);

@@ -154,6 +154,7 @@ StoreKey scene_key(const Scene& scene) {
   append(key, scene.background_is_environment ? glm::vec3(0) : scene.background_color);
   append_camera(key, scene.camera);
   key.number(scene.settings.max_radiance);
+  key.integer(scene.settings.caustics);
   return key.finish();
 }
 

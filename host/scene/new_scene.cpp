@@ -38,8 +38,10 @@ environment = "studio.exr"            # light from all around: a lat-long .exr o
 environment_rotation = 0              # degrees about the vertical axis
 background = [0.6, 0.6, 0.6]          # what is seen behind the model; "environment" shows the light itself
 resolution = [640, 480]               # of the rendered pictures, width and height
-samples_per_pixel = 32                # more: less noise, longer nights; reflections get 3 times, glass 12 times as many
+samples_per_pixel = 128               # camera rays of a pixel in the mean, at most: more lets longer nights get cleaner
+noise = 45                            # what compiled pictures are traced to, in decibels; rays go where they are needed for it
 max_radiance = 0                      # bound of one path's indirect light, against fireflies; 0: none
+caustics = false                      # true: glass focuses the light that it lets through; noisy with small lamps
 exposure = 1.0                        # factor between radiance and the screen
 # camera = "NAME"                     # a camera of the model, by name; used where no axis orbits (without it: the first)
 

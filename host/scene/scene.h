@@ -152,6 +152,7 @@ struct Settings {
   std::string profile = "kiosk-60";
   std::string storage = "100:1";  // "150 KB/block", "384:1" or "12 MB"
   float max_radiance = 0;         // firefly clamp of one path's indirect contribution; 0: none
+  bool caustics = false;          // light is refracted on its way to what it lights, instead of going straight through glass
 };
 
 struct Scene {

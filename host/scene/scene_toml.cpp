@@ -215,7 +215,7 @@ SceneDescription read_scene_description(const fs::path& path) {
   scene.folder = scene.file.has_parent_path() ? scene.file.parent_path() : fs::path(".");
   const toml::table table = parse(scene.file);
   const TomlView view(table, shown(scene.file));
-  view.allow({"scene", "environment", "environment_rotation", "background", "resolution", "samples_per_pixel", "noise", "max_radiance",
+  view.allow({"scene", "environment", "environment_rotation", "background", "resolution", "samples_per_pixel", "noise", "max_radiance", "caustics",
               "camera", "exposure", "axis", "object", "target"});
   if (!view.has("scene")) view.fail("it does not name the model", "write scene = \"model.glb\"");
   scene.model = scene.folder / view.text("scene", "");
@@ -232,6 +232,7 @@ SceneDescription read_scene_description(const fs::path& path) {
   settings.samples_per_pixel = view.integer("samples_per_pixel", settings.samples_per_pixel, 1, 1 << 20);
   settings.noise_db = static_cast<float>(view.number("noise", static_cast<double>(settings.noise_db), 10, 80));
   settings.max_radiance = static_cast<float>(view.number("max_radiance", settings.max_radiance, 0, kBright));
+  settings.caustics = view.boolean("caustics", settings.caustics);
   settings.exposure = static_cast<float>(view.number("exposure", settings.exposure, 1e-6, 1e6));
   view.for_each_table("axis", [&](const TomlView& axis) { scene.axes.push_back(read_axis(axis)); });
   view.for_each_table("object", [&](const TomlView& object) { scene.objects.push_back(read_object(object)); });

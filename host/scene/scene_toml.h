@@ -11,6 +11,8 @@
 //   samples_per_pixel    camera rays of a pixel; of compiled frames: in the mean, at most                      64
 //   noise                decibels between two renderings that compiled frames are traced to, in every layer    45
 //   max_radiance         bound of one path's indirect light; 0: none                                           0
+//   caustics             true: light is refracted on its way to what it lights: focused, and noisy;            false
+//                        false: it goes straight through glass and casts plain bright shadows
 //   camera               name of a camera's node                                                               the first
 //   exposure             factor between radiance and the screen                                                1
 //   [[axis]] name, samples, kind ("linear", "periodic", "discrete"), max_speed, names = [...], and one of

@@ -97,6 +97,7 @@ Frame Tracer::render(const Position& position, const TraceOptions& options, Prog
   const auto object_count = static_cast<int>(scene.objects.size());
   trace::PathSettings settings;
   settings.max_radiance = scene.settings.max_radiance;
+  settings.straight_shadows = !scene.settings.caustics;
   const trace::CameraRays camera(scene.camera, world.current_pose().world_from_camera, options.width, options.height);
   const trace::Integrator integrator(world, lights, settings);
   const trace::NoiseTarget target = noise_target(scene, options);

@@ -349,6 +349,7 @@ TEST(Key, ChangesWithWhateverLightDependsOn) {
   expect_new("camera's node", [](Scene& s) { s.nodes[0].translation.x = 1; });
   expect_new("object's node", [](Scene& s) { s.nodes[2].translation.x = 1; });
   expect_new("clamp", [](Scene& s) { s.settings.max_radiance = 1; });
+  expect_new("caustics", [](Scene& s) { s.settings.caustics = true; });
   for (int option = 0; option < 7; ++option) {
     TraceOptions o;
     if (option == 0) o.width = 10;

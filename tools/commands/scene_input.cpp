@@ -8,8 +8,11 @@ namespace vitrine {
 std::unique_ptr<const Scene> load_scene_with(const std::string& path, const CommonOptions& options, const std::function<void(Scene&)>& adjust) {
   std::unique_ptr<Scene> scene = load_scene(path);
   adjust(*scene);
-  if (!options.quiet)
-    for (const std::string& warning : scene->warnings) std::fprintf(stderr, "vitrine: warning: %s\n", warning.c_str());
+  if (options.quiet) return scene;
+  for (const std::string& warning : scene->warnings) std::fprintf(stderr, "vitrine: warning: %s\n", warning.c_str());
+  if (scene->settings.max_radiance > 0)
+    std::fprintf(stderr, "vitrine: note: max_radiance bounds one path's indirect light at %g: fewer fireflies, and a little less light than there is\n",
+                 static_cast<double>(scene->settings.max_radiance));
   return scene;
 }
 

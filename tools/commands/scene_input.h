@@ -13,7 +13,7 @@
 
 namespace vitrine {
 
-// Loads, lets `adjust` apply a preset or a grid, prints the scene's warnings on stderr (unless quiet).
+// Loads, lets `adjust` apply a preset or a grid, prints the scene's warnings on stderr, and what it leaves out of the light (unless quiet).
 std::unique_ptr<const Scene> load_scene_with(const std::string& path, const CommonOptions& options, const std::function<void(Scene&)>& adjust);
 
 // Where frames and textures of an image are kept unless --work says otherwise: lamp.vit -> lamp.work.
