@@ -35,7 +35,7 @@ void apply_preset(Scene& scene, const std::string& name) {
   if (name == "small") {
     settings.width = divided(settings.width, 2);
     settings.height = divided(settings.height, 2);
-    settings.noise_db = std::max(10.0f, settings.noise_db - 10);
+    settings.noise_db = std::max(10.0f, settings.noise_db - 9);
     reduce_axes(scene, [](int samples) { return std::max(2, (samples + 1) / 2); });
   } else if (name == "tiny") {
     // So few samples share nothing: a ratio that suits the whole scene would not even hold the meshes.

@@ -12,7 +12,7 @@ namespace vitrine {
 
 // name   resolution  samples per axis              noise             storage
 // full   as written  as written                    as written        as written
-// small  half        half (at least 2)             10 dB more        as written
+// small  half        half (at least 2)             9 dB more        as written
 // tiny   a quarter   at most 3                     18 dB more, at    what `full` would get
 //                                                  most 8 rays a pixel
 // Discrete axes keep all their values. Throws InputError for another name.

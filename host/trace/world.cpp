@@ -1,6 +1,7 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 #include "host/trace/world.h"
 
+#include <tbb/parallel_for.h>
 #include <tbb/task_arena.h>
 
 #include <cstring>
@@ -112,13 +113,13 @@ void World::prepare_shading(size_t index, const std::vector<int>& triangle_mater
   PosedObject& posed = objects_[index];
   const Geometry& g = *posed.geometry;
   posed.vertices.resize(g.positions.size());
-  for (size_t v = 0; v < g.positions.size(); ++v) {
+  tbb::parallel_for(size_t{0}, g.positions.size(), [&](size_t v) {
     posed.vertices[v] = {transform_point(posed.world_from_object, g.positions[v]), posed.normal_from_object * g.normals[v],
                          g.texcoords[0].empty() ? glm::vec2(0) : g.texcoords[0][v]};
-  }
+  });
   posed.triangles.resize(triangle_materials.size());
   const float origin = largest_coordinate(glm::vec3(posed.world_from_object[3]));
-  for (size_t t = 0; t < posed.triangles.size(); ++t) {
+  tbb::parallel_for(size_t{0}, posed.triangles.size(), [&](size_t t) {
     ShadingTriangle& triangle = posed.triangles[t];
     for (size_t k = 0; k < 3; ++k) triangle.corner[k] = g.indices[3 * t + k];
     const auto corner = [&](size_t k) -> const glm::vec3& { return posed.vertices[triangle.corner[k]].position; };
@@ -136,7 +137,7 @@ void World::prepare_shading(size_t index, const std::vector<int>& triangle_mater
       const glm::vec2 u = uv[triangle.corner[1]] - uv[triangle.corner[0]], v = uv[triangle.corner[2]] - uv[triangle.corner[0]];
       triangle.density[set] = std::fabs(u.x * v.y - u.y * v.x) / length;
     }
-  }
+  });
 }
 
 void World::build_object(size_t index) {

@@ -87,7 +87,8 @@ void BenchNoiseCommand::run() const {
   const WorkFolder folder(work);
   const Store store(folder.path());
   TraceOptions options = trace_options(*loaded);
-  options.views = std::min(averaged, std::max(1, views));
+  // Frames by themselves are those of the whole preset; textures are averaged over the views that there are here.
+  options.views = frames_only ? averaged : std::min(averaged, views);
   std::vector<Row> rows;
   rows.push_back({"by need", measure_noise(*loaded, options, !frames_only, store, *progress)});
   if (even > 0) {

@@ -90,7 +90,7 @@ void add_bench_noise(CLI::App& bench, BenchNoiseCommand& options) {
   command->add_option("--preset", options.preset, "Whose resolution and noise")->capture_default_str()->check(CLI::IsMember({"tiny", "small", "full"}));
   command->add_option("--views", options.views, "Grid samples along each axis that moves the camera alone; the other axes stay at their first")->capture_default_str()->check(CLI::Range(1, 64));
   command->add_option("--even", options.even, "Camera rays per pixel that even sampling starts with; 0: no comparison")->capture_default_str()->check(CLI::Range(0, 4096));
-  command->add_flag("--frames-only", options.frames_only, "Infer no textures");
+  command->add_flag("--frames-only", options.frames_only, "Infer no textures: frames as the whole preset has them");
   command->add_option("--work", options.work, "Folder for frames and textures (default: one that is removed afterwards)")->check(kNotEmpty);
   add_common_options(*command, options.common);
   command->footer("Example: vitrine bench noise shop --preset small --even 16");

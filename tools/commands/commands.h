@@ -56,7 +56,7 @@ struct VerifyCommand {
 
 struct BenchTraceCommand {
   std::string scene;
-  int samples_per_pixel = 4;
+  int samples_per_pixel = 8;
   CommonOptions common;
   void run() const;
 };
