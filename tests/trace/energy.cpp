@@ -3,6 +3,7 @@
 // The scattering of a single surface: what comes out of it in a white furnace is what went in, and light may run either way.
 #include <gtest/gtest.h>
 
+#include <glm/trigonometric.hpp>
 #include <random>
 
 #include "host/trace/bsdf.h"
