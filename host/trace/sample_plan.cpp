@@ -151,7 +151,7 @@ void SamplePlan::revise(const Film& film, const NoiseTarget& target, int object_
     return sum / static_cast<double>(pixels);
   };
   double factor = 1;
-  if (mean_samples(1) > target.max_mean_samples) {
+  if (target.error > 0 && mean_samples(1) > target.max_mean_samples) {
     double low = 0;
     for (int step = 0; step < 16; ++step) {
       const double middle = 0.5 * (low + factor);
@@ -159,7 +159,7 @@ void SamplePlan::revise(const Film& film, const NoiseTarget& target, int object_
     }
     factor = low;
   }
-  for_each_pixel([&](int x, int y, size_t i) { budgets_[i] = budget(x, y, i, factor); });
+  if (target.error > 0) for_each_pixel([&](int x, int y, size_t i) { budgets_[i] = budget(x, y, i, factor); });
 
   // What is left now.
   std::vector<LayerNoise> squares(sums.size());

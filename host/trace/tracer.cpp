@@ -64,7 +64,8 @@ void render_tile(const Rendering& r, int tile, int limit) {
 
 trace::NoiseTarget noise_target(const Scene& scene, const TraceOptions& options) {
   trace::NoiseTarget target;
-  target.error = std::pow(10, -options.noise_db / 20) / std::sqrt(2.0);  // between two renderings there are two errors
+  // Between two renderings there are two errors.
+  target.error = options.noise_db > 0 ? std::pow(10, -options.noise_db / 20) / std::sqrt(2.0) : 0;
   target.views = options.views;
   target.max_mean_samples = options.samples_per_pixel;
   target.white = 1 / scene.settings.exposure;
