@@ -1,18 +1,14 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 //
-// Whole frames: layers, coverage, reproducibility, and independent references.
+// Whole frames: layers, coverage, reproducibility.
 #include <gtest/gtest.h>
 #include <tbb/global_control.h>
 #include <tbb/task_arena.h>
 
 #include <algorithm>
 #include <array>
-#include <fstream>
 #include <map>
-#include <nlohmann/json.hpp>
 
-#include "host/scene/environment.h"
-#include "host/scene/files.h"
 #include "host/trace/tracer.h"
 #include "tests/trace/measure.h"
 #include "tests/trace/scenes.h"
@@ -161,8 +157,10 @@ std::map<int, std::array<double, 2>> differences(const Frame& a, const Frame& b)
       int count = 0;
       for (int y = std::max(p.y, q.y); y < std::min(p.y + p.height, q.y + q.height); ++y)
         for (int x = std::max(p.x, q.x); x < std::min(p.x + p.width, q.x + q.width); ++x, ++count) {
-          const auto i = static_cast<size_t>((y - p.y) * p.width + x - p.x), j = static_cast<size_t>((y - q.y) * q.width + x - q.x);
-          const glm::vec3 d = glm::clamp(p.diffuse[i] - q.diffuse[j], -1.0f, 1.0f), s = glm::clamp(p.specular[i] - q.specular[j], -1.0f, 1.0f);
+          const auto i = static_cast<size_t>((y - p.y) * p.width + x - p.x),
+                     j = static_cast<size_t>((y - q.y) * q.width + x - q.x);
+          const glm::vec3 d = glm::clamp(p.diffuse[i] - q.diffuse[j], -1.0f, 1.0f),
+                          s = glm::clamp(p.specular[i] - q.specular[j], -1.0f, 1.0f);
           sum[0] += glm::dot(d, d) / 3;
           sum[1] += glm::dot(s, s) / 3;
         }
@@ -291,101 +289,6 @@ TEST(Picture, MaxRadianceBoundsOnlyIndirectLight) {
   }
   EXPECT_LT(direct_sum, sum);
 }
-
-// Pictures by an independent renderer, as the tracer renders them: whole, and the marked regions.
-constexpr double kRegionSlack = 0.02;   // relative, of a region's mean luminance, beyond chance
-constexpr double kPictureSlack = 0.03;  // relative root mean square of the whole picture, beyond what noise explains
-
-// What stays beyond the slack follows one rule. Light that facets scatter more than once comes out nearly diffusely here (Kulla &
-// Conty 2017), the reference follows it from facet to facet (Heitz et al. 2016), which sends it elsewhere. So a region may differ
-// by a tenth of the light that is scattered so on what it shows.
-double scattered_again_by_metal(float roughness) { return 1 - static_cast<double>(trace::mean_reflection_albedo(roughness).white); }
-double scattered_again_by_glass(float roughness) {  // of index 1.45: entering and leaving
-  const trace::GlassAlbedo albedo(1.45f);
-  return static_cast<double>(albedo.mean_missing(roughness, false)) + static_cast<double>(albedo.mean_missing(roughness, true));
-}
-
-struct ReferenceCase {
-  const char* name;
-  std::map<std::string, double> scattered_again;  // by region: a share of its light
-};
-void PrintTo(const ReferenceCase& c, std::ostream* out) { *out << c.name; }
-class Reference : public testing::TestWithParam<ReferenceCase> {};
-
-// Cropped means of 2 x 2 pixels: the renderers' pixel filters differ at edges.
-std::vector<double> halved_luminance(const std::vector<glm::vec3>& radiance, int width, int height) {
-  std::vector<double> result;
-  for (int y = 0; y + 1 < height; y += 2)
-    for (int x = 0; x + 1 < width; x += 2) {
-      const auto at = [&](int i, int j) { return static_cast<double>(trace::luminance(radiance[static_cast<size_t>(j * width + i)])); };
-      result.push_back((at(x, y) + at(x + 1, y) + at(x, y + 1) + at(x + 1, y + 1)) / 4);
-    }
-  return result;
-}
-
-TEST_P(Reference, AgreesWithAnIndependentRenderer) {
-  const std::string stem = std::string(VITRINE_EXTRA_ASSETS) + "/reference/" + GetParam().name;
-  std::ifstream file(stem + ".json");
-  if (!file) GTEST_SKIP() << "no reference pictures at " << stem;
-  const auto json = nlohmann::json::parse(file);
-  const auto scene = load_scene(stem + ".toml");
-  scene->settings.caustics = true;  // as the reference has them
-  const Environment truth = decode_exr(read_file(stem + ".exr", 1 << 28));
-  const int width = truth.width, height = truth.height;
-  TraceOptions options;
-  options.width = width;
-  options.height = height;
-  options.samples_per_pixel = 12;
-  options.layers = false;
-  Tracer tracer(*scene);
-  std::vector<std::vector<glm::vec3>> pictures;
-  for (options.seed = 1; options.seed <= 4; ++options.seed) pictures.push_back(tracer.render({}, options).combined);
-  std::vector<glm::vec3> mean(pictures[0].size(), glm::vec3(0));
-  for (const auto& p : pictures)
-    for (size_t i = 0; i < p.size(); ++i) mean[i] += 0.25f * p[i];
-
-  // Regions: means of four seeds, with their standard error.
-  for (const auto& [name, box] : json["regions"].items()) {
-    const int x0 = box[0], y0 = box[1], w = box[2], h = box[3];
-    const Estimate ours = estimate(4, [&](uint32_t seed) {
-      double sum = 0;
-      for (int y = y0; y < y0 + h; ++y)
-        for (int x = x0; x < x0 + w; ++x) sum += trace::luminance(pictures[seed - 1][static_cast<size_t>(y * width + x)]) / (w * h);
-      return sum;
-    });
-    const double expected = trace::luminance({json["mean"][name][0], json["mean"][name][1], json["mean"][name][2]});
-    const auto again = GetParam().scattered_again.find(name);
-    const double slack = kRegionSlack + (again == GetParam().scattered_again.end() ? 0 : 0.1 * again->second);
-    EXPECT_NEAR(ours.mean, expected, slack * expected + 4 * ours.error) << name << ", allowed " << slack;
-    RecordProperty(std::string("region_") + name, std::to_string(ours.mean / expected - 1));
-  }
-
-  // The whole: its mean squared difference is noise of both and what the renderers see differently. Ours is measured between
-  // seeds; the reference, with 8 times the samples or more, has at most as much.
-  const auto a = halved_luminance(mean, width, height), b = halved_luminance(truth.radiance, width, height);
-  double noise = 0, difference = 0, square = 0;
-  for (const auto& p : pictures) {
-    const auto own = halved_luminance(p, width, height);
-    for (size_t i = 0; i < own.size(); ++i) noise += (own[i] - a[i]) * (own[i] - a[i]) / (4 * 3);  // of the mean of four
-  }
-  for (size_t i = 0; i < a.size(); ++i) {
-    difference += (a[i] - b[i]) * (a[i] - b[i]);
-    square += b[i] * b[i];
-  }
-  const double relative = std::sqrt(difference / square), explained = std::sqrt(2 * noise / square);
-  EXPECT_LT(relative, explained + kPictureSlack);
-  std::printf("%s: relative RMSE %.4f, noise explains %.4f\n", GetParam().name, relative, explained);
-}
-
-INSTANTIATE_TEST_SUITE_P(All, Reference,
-                         testing::Values(ReferenceCase{"cornell", {}},
-                                         ReferenceCase{"metals",
-                                                       {{"ball2", scattered_again_by_metal(0.4f)},
-                                                        {"ball3", scattered_again_by_metal(0.7f)},
-                                                        {"ball4", scattered_again_by_metal(1.0f)}}},
-                                         ReferenceCase{"glass", {}},
-                                         ReferenceCase{"amber_frost", {{"frost", scattered_again_by_glass(0.3f)}}}),
-                         [](const auto& parameter) { return std::string(parameter.param.name); });
 
 }  // namespace
 }  // namespace vitrine::test
