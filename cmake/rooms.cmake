@@ -5,8 +5,9 @@
 # COLD: nothing in it runs long; compiled with -O1, which is quicker.
 # PRECOMPILE: large headers that most of the sources include anyway; compiling them once halves the time of a build.
 set(VITRINE_WARNINGS -Wall -Wextra -Werror -Wshadow -Wno-missing-field-initializers)
-# Results must not depend on the compiler's freedom with floating point.
-set(VITRINE_FLOATS -ffp-contract=off -fno-fast-math)
+# Results must not depend on the compiler's freedom with floating point. Nobody reads errno or traps: without them roots and
+# choices are single instructions.
+set(VITRINE_FLOATS -ffp-contract=off -fno-fast-math -fno-math-errno -fno-trapping-math)
 
 function(vitrine_options target)
   target_compile_options(${target} PRIVATE ${VITRINE_WARNINGS} ${VITRINE_FLOATS})

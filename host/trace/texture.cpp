@@ -155,7 +155,7 @@ glm::vec4 Textures::fetch(const TextureRef& ref, const TexturePoint& point, Enco
     const uint8_t* t = level.rgba + 4 * (static_cast<size_t>(j) * static_cast<size_t>(level.width) + static_cast<size_t>(i));
     return glm::vec4(rgb[t[0]], rgb[t[1]], rgb[t[2]], kDecode[0][t[3]]);
   };
-  if (ref.nearest && index == 0) {
+  if (index == 0 ? ref.nearest : point.blurred) {
     return texel(wrap(floor_to_int(x), level.width, ref.wrap_s), wrap(floor_to_int(y), level.height, ref.wrap_t));
   }
   const int column = floor_to_int(x - 0.5f), row = floor_to_int(y - 0.5f);
@@ -167,7 +167,9 @@ glm::vec4 Textures::fetch(const TextureRef& ref, const TexturePoint& point, Enco
   return (1 - t) * top + t * bottom;
 }
 
-glm::vec4 Textures::linear(const TextureRef& reference, const TexturePoint& point) const { return fetch(reference, point, kLinear); }
+glm::vec4 Textures::linear(const TextureRef& reference, const TexturePoint& point) const {
+  return fetch(reference, point, kLinear);
+}
 glm::vec4 Textures::srgb(const TextureRef& reference, const TexturePoint& point) const { return fetch(reference, point, kSrgb); }
 
 }  // namespace vitrine::trace

@@ -45,6 +45,6 @@ class Tracer {
 };
 
 // Changes whenever the tracer would give other pictures for the same input; part of every frame's key.
-inline constexpr uint32_t kTracerVersion = 5;
+inline constexpr uint32_t kTracerVersion = 6;
 
 }  // namespace vitrine

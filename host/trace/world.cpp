@@ -14,6 +14,8 @@
 namespace vitrine::trace {
 namespace {
 
+constexpr float kBlurred = 0.1f;  // spread of a ray that a wide lobe has scattered
+
 glm::vec3 transform_point(const glm::mat4& m, const glm::vec3& p) {
   return p.x * glm::vec3(m[0]) + p.y * glm::vec3(m[1]) + p.z * glm::vec3(m[2]) + glm::vec3(m[3]);
 }
@@ -44,8 +46,8 @@ RTCRay embree_ray(const Ray& ray) {
 }
 
 // A perturbed normal in the tangent frame of a surface (glTF 2.0, 3.9.3).
-glm::vec3 normal_from_map(const Textures& textures, const TextureRef& map, float scale, const TexCoords& uv, const glm::vec3& tangent,
-                          const glm::vec3& bitangent, const glm::vec3& normal) {
+glm::vec3 normal_from_map(const Textures& textures, const TextureRef& map, float scale, const TexCoords& uv,
+                          const glm::vec3& tangent, const glm::vec3& bitangent, const glm::vec3& normal) {
   glm::vec3 n = glm::vec3(textures.linear(map, {uv, {}})) * 2.0f - 1.0f;
   n.x *= scale;
   n.y *= scale;
@@ -128,8 +130,9 @@ void World::prepare_shading(size_t index, const std::vector<int>& triangle_mater
     triangle.normal = length > 0 ? cross / length : glm::vec3(0);
     triangle.material = triangle_materials[t] < 0 ? static_cast<int32_t>(posed.material_count) - 1 : triangle_materials[t];
     // Rounding of the transform to the world and back, which Embree makes of rays, and of the interpolation.
-    triangle.margin = 4e-6f * (std::max({largest_coordinate(corner(0)), largest_coordinate(corner(1)), largest_coordinate(corner(2))}) +
-                               2 * origin);
+    triangle.margin =
+        4e-6f *
+        (std::max({largest_coordinate(corner(0)), largest_coordinate(corner(1)), largest_coordinate(corner(2))}) + 2 * origin);
     for (size_t set = 0; set < 2; ++set) {
       const auto& uv = g.texcoords[set];
       triangle.density[set] = 0;
@@ -248,6 +251,7 @@ Surface World::surface_at(const Ray& ray, const Hit& hit) const {
   s.coat = s.shading;
 
   // The cone's area in texture coordinates.
+  s.point.blurred = ray.spread > kBlurred;
   const float covered = sqr(ray.width_at(hit.distance));
   s.point.uv[0] = interpolate(a.uv, b.uv, c.uv);
   s.point.footprint[0] = covered * triangle.density[0];
@@ -279,7 +283,8 @@ void World::apply_normal_maps(const glm::vec3& shading, const glm::vec3& barycen
     s.shading = normal_from_map(textures_, m.normal_texture, m.normal_scale, s.point.uv, tangent, bitangent, shading);
   }
   if (m.clearcoat_normal_texture) {
-    s.coat = normal_from_map(textures_, m.clearcoat_normal_texture, m.clearcoat_normal_scale, s.point.uv, tangent, bitangent, shading);
+    s.coat =
+        normal_from_map(textures_, m.clearcoat_normal_texture, m.clearcoat_normal_scale, s.point.uv, tangent, bitangent, shading);
   }
 }
 
