@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "formats/color.h"
 #include "hal/backends.h"
 #include "host/base/error.h"
 #include "host/bench/processor_time.h"
@@ -18,10 +19,7 @@ namespace {
 constexpr int kSupersampling = 2;
 constexpr uint32_t kSeeds[2] = {0, 1};
 
-double srgb(float radiance) {
-  const double x = std::clamp(static_cast<double>(radiance), 0.0, 1.0);
-  return x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055;
-}
+double srgb(float radiance) { return srgb_from_linear(std::clamp(static_cast<double>(radiance), 0.0, 1.0)); }
 
 // Squared differences of codes, weighted.
 struct Difference {

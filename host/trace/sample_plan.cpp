@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "formats/color.h"
+
 namespace vitrine::trace {
 namespace {
 
@@ -42,11 +44,10 @@ Statistics statistics_of(const TileSums& tile, int pixel) {
   return s;
 }
 
-// The slope of the sRGB curve at a share of display white. Beyond white noise is hardly seen.
+// How much codes change with a share of display white. Beyond white noise is hardly seen.
 float display_slope(float radiance) {
-  if (radiance <= 0.0031308f) return 12.92f;
   const float visible = std::clamp(2 - radiance, 0.1f, 1.0f);
-  return visible * (1.055f / 2.4f) * std::pow(std::min(radiance, 1.0f), 1 / 2.4f - 1);
+  return visible * srgb_slope(std::min(radiance, 1.0f));
 }
 
 // The mean over the neighbours of a pixel that show the same object, without itself; all zero where there are none.
