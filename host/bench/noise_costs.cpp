@@ -44,15 +44,12 @@ void compare_frames(const Frame& a, const Frame& b, float exposure, LayerDiffere
     const auto other = std::find_if(b.objects.begin(), b.objects.end(), [&](const ObjectFrame& o) { return o.object == p.object; });
     if (other == b.objects.end()) continue;
     const ObjectFrame& q = *other;
-    for (int y = std::max(p.y, q.y); y < std::min(p.y + p.height, q.y + q.height); ++y) {
-      for (int x = std::max(p.x, q.x); x < std::min(p.x + p.width, q.x + q.width); ++x) {
-        const auto i = static_cast<size_t>((y - p.y) * p.width + x - p.x), j = static_cast<size_t>((y - q.y) * q.width + x - q.x);
-        if (p.coverage[i] < 0.5f || q.coverage[j] < 0.5f) continue;
-        const glm::vec3 whole = 0.5f * exposure * (p.diffuse[i] + p.specular[i] + q.diffuse[j] + q.specular[j]);
-        differences[{p.object, Layer::kDiffuse}].add(whole, exposure * p.diffuse[i], exposure * q.diffuse[j], 1);
-        differences[{p.object, Layer::kSpecular}].add(whole, exposure * p.specular[i], exposure * q.specular[j], 1);
-      }
-    }
+    for_each_common_pixel(p, q, [&](size_t i, size_t j) {
+      if (p.coverage[i] < 0.5f || q.coverage[j] < 0.5f) return;
+      const glm::vec3 whole = 0.5f * exposure * (p.diffuse[i] + p.specular[i] + q.diffuse[j] + q.specular[j]);
+      differences[{p.object, Layer::kDiffuse}].add(whole, exposure * p.diffuse[i], exposure * q.diffuse[j], 1);
+      differences[{p.object, Layer::kSpecular}].add(whole, exposure * p.specular[i], exposure * q.specular[j], 1);
+    });
   }
 }
 
