@@ -87,6 +87,7 @@ void BenchNoiseCommand::run() const {
   int averaged = 1;
   const auto loaded = load_scene_with(scene, common, [&](Scene& s) {
     apply_preset(s, preset);
+    apply_size(s, size);
     averaged = trace_options(s).views;
     keep_views(s, views);
   });
