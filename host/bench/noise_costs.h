@@ -4,6 +4,7 @@
 // difference. All of it in decibels between the two (PSNR of sRGB codes), so that no clean reference is needed.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,9 @@ struct LayerCost {
   std::string object, layer;
   double estimated_db = 0;  // by the tracer, the mean over frames of what it expects to be left in textures
   double frame_db = 0;      // in the frames
+  // In pictures drawn with this layer's inferred textures alone, over the pixels that the object covers by half or more.
+  // Nothing where none were inferred.
+  std::optional<double> inferred_db;
 };
 
 // One object in pictures drawn with the inferred textures, over the pixels that it covers by half or more.

@@ -6,7 +6,6 @@
 #include <span>
 
 #include "host/base/error.h"
-#include "host/infer/fields.h"
 #include "host/infer/geometry_states.h"
 #include "host/infer/lanes.h"
 #include "host/infer/pyramid.h"
@@ -60,6 +59,10 @@ std::vector<glm::vec3> resolve(std::span<const glm::vec4> samples, int width, in
   return picture;
 }
 
+bool is_one_of(std::span<const Layer> layers, const Field& field) {
+  return std::any_of(layers.begin(), layers.end(), [&](Layer layer) { return field.layer == layer_name(layer); });
+}
+
 }  // namespace
 
 LinearTexture load_field_texture(const Store& store, const Field& field, int64_t flat) {
@@ -76,13 +79,13 @@ LinearTexture load_field_texture(const Store& store, const Field& field, int64_t
   return texture;
 }
 
-LinearTexture load_object_texture(const Store& store, const Scene& scene, const Inference& inference, int drawn_object,
-                                  int64_t grid_sample) {
+LinearTexture load_object_texture(const Store& store, const Scene& scene, const Inference& inference,
+                                  std::span<const Layer> layers, int drawn_object, int64_t grid_sample) {
   const DrawnObject& object = inference.objects.at(static_cast<size_t>(drawn_object));
   LinearTexture sum{object.texture_width, object.texture_height, {}};
   sum.texels.resize(static_cast<size_t>(sum.width) * static_cast<size_t>(sum.height));
   for (const Field& field : inference.fields) {
-    if (field.drawn_object != drawn_object) continue;
+    if (field.drawn_object != drawn_object || !is_one_of(layers, field)) continue;
     const LinearTexture layer = load_field_texture(store, field, field_sample_of(scene.space(), field.axes, grid_sample));
     for (size_t i = 0; i < sum.texels.size(); ++i) sum.texels[i] += layer.texels[i];
   }
@@ -104,12 +107,13 @@ hal::Texture upload_texture(hal::Gpu& gpu, SceneDrawer& drawer, const LinearText
 }
 
 std::vector<glm::vec3> draw_inferred(const Store& store, const Scene& scene, const Inference& inference,
-                                     const InferenceOptions& options, hal::Gpu& gpu, int64_t grid_sample) {
+                                     std::span<const Layer> layers, const InferenceOptions& options, hal::Gpu& gpu,
+                                     int64_t grid_sample) {
   TestRenderer renderer(gpu, options, inference.objects);
   std::vector<hal::Texture> textures;
   for (size_t i = 0; i < inference.objects.size(); ++i)
     textures.push_back(upload_texture(gpu, renderer.drawer(),
-                                      load_object_texture(store, scene, inference, static_cast<int>(i), grid_sample),
+                                      load_object_texture(store, scene, inference, layers, static_cast<int>(i), grid_sample),
                                       hal::TextureFormat::kRgba32f));
   std::vector<glm::vec4> samples(static_cast<size_t>(renderer.width()) * static_cast<size_t>(renderer.height()));
   const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);

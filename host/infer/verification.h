@@ -6,11 +6,13 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "formats/parameter_space.h"
 #include "hal/gpu.h"
 #include "host/frames/store.h"
+#include "host/infer/fields.h"
 #include "host/infer/inference.h"
 #include "host/scene/scene.h"
 #include "target/draw/scene_drawer.h"
@@ -25,17 +27,19 @@ struct LinearTexture {
 // The texture of a field at sample `flat` of its space. Throws InputError where the store has it no more.
 LinearTexture load_field_texture(const Store& store, const Field& field, int64_t flat);
 
-// The sum of all layers of a drawn object at a grid sample (flat number in the scene's space).
-LinearTexture load_object_texture(const Store& store, const Scene& scene, const Inference& inference, int drawn_object,
-                                  int64_t grid_sample);
+// The sum of those of `layers` that a drawn object has, at a grid sample (flat number in the scene's space). All: kLayers.
+LinearTexture load_object_texture(const Store& store, const Scene& scene, const Inference& inference,
+                                  std::span<const Layer> layers, int drawn_object, int64_t grid_sample);
 
 // A texture on the device with all MIP levels by decimation (target/mip.h), as the engine makes them. `format`: kRgba32f or
 // kRgba16f. Throws InputError where the device refuses.
 hal::Texture upload_texture(hal::Gpu& gpu, SceneDrawer& drawer, const LinearTexture& texture, hal::TextureFormat format);
 
-// The picture at a grid sample drawn with the inferred textures, resolved with the pixel filter: linear radiance, rows top
-// first, `options.width` x `options.height`.
+// The picture at a grid sample drawn with the sums of `layers` of the inferred textures, resolved with the pixel filter: linear
+// radiance, rows top first, `options.width` x `options.height`. kLayers gives what the frames show; one layer alone what it
+// gives to that, on surfaces that are black where they lack it.
 std::vector<glm::vec3> draw_inferred(const Store& store, const Scene& scene, const Inference& inference,
-                                     const InferenceOptions& options, hal::Gpu& gpu, int64_t grid_sample);
+                                     std::span<const Layer> layers, const InferenceOptions& options, hal::Gpu& gpu,
+                                     int64_t grid_sample);
 
 }  // namespace vitrine

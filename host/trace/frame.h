@@ -3,6 +3,8 @@
 // What the tracer makes of one grid sample.
 #pragma once
 
+#include <algorithm>
+#include <cstddef>
 #include <glm/vec3.hpp>
 #include <string>
 #include <vector>
@@ -33,5 +35,13 @@ struct Frame {
   std::vector<NoiseReport> noise;    // per object that is seen; empty where it was not estimated (a frame from a file)
   double rays_per_pixel = 0;         // camera rays, in the mean
 };
+
+// body(i, j) for every pixel within both data windows, rows top first: its number in `a`'s arrays and in `b`'s.
+template <typename Body>
+void for_each_common_pixel(const ObjectFrame& a, const ObjectFrame& b, const Body& body) {
+  for (int y = std::max(a.y, b.y); y < std::min(a.y + a.height, b.y + b.height); ++y)
+    for (int x = std::max(a.x, b.x); x < std::min(a.x + a.width, b.x + b.width); ++x)
+      body(static_cast<size_t>((y - a.y) * a.width + x - a.x), static_cast<size_t>((y - b.y) * b.width + x - b.x));
+}
 
 }  // namespace vitrine

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 
+#include "formats/color.h"
+
 namespace vitrine::trace {
 namespace {
 
@@ -42,11 +44,10 @@ Statistics statistics_of(const TileSums& tile, int pixel) {
   return s;
 }
 
-// The slope of the sRGB curve at a share of display white. Beyond white noise is hardly seen.
+// How much codes change with a share of display white. Beyond white noise is hardly seen.
 float display_slope(float radiance) {
-  if (radiance <= 0.0031308f) return 12.92f;
   const float visible = std::clamp(2 - radiance, 0.1f, 1.0f);
-  return visible * (1.055f / 2.4f) * std::pow(std::min(radiance, 1.0f), 1 / 2.4f - 1);
+  return visible * srgb_slope(std::min(radiance, 1.0f));
 }
 
 // The mean over the neighbours of a pixel that show the same object, without itself; all zero where there are none.
@@ -83,6 +84,128 @@ struct ObjectSums {
   std::array<double, 2> variance{}, root{};  // of demands: sums, and sums of square roots
 };
 
+// What the film tells of a whole picture, rows top first.
+struct Survey {
+  int width = 0, height = 0;
+  std::vector<Statistics> statistics;  // per pixel
+  std::vector<Demand> demands;         // per pixel
+  std::vector<ObjectSums> sums;        // per object, and after them of the pixels that show none
+
+  size_t object_at(size_t pixel) const {
+    const int object = statistics[pixel].object;
+    return object < 0 ? sums.size() - 1 : static_cast<size_t>(object);
+  }
+  // An object ends between the pixel and the one left of it or above, or within it.
+  bool edge_at(int x, int y) const {
+    const auto i = static_cast<size_t>(y * width + x);
+    return statistics[i].edge || (x > 0 && statistics[i - 1].object != statistics[i].object) ||
+           (y > 0 && statistics[i - static_cast<size_t>(width)].object != statistics[i].object);
+  }
+};
+
+// In parallel: body(x, y, pixel) may write what belongs to its pixel.
+template <typename Body>
+void for_each_pixel(int width, int height, const Body& body) {
+  tbb::parallel_for(0, height, [&](int y) {
+    for (int x = 0; x < width; ++x) body(x, y, static_cast<size_t>(y * width + x));
+  });
+}
+
+// The demands' sums by object. Demands far below their object's mean are raised on the way.
+void sum_by_object(Survey& survey) {
+  for (size_t i = 0; i < survey.demands.size(); ++i) {
+    ObjectSums& s = survey.sums[survey.object_at(i)];
+    ++s.pixels;
+    s.variance[0] += survey.demands[i].diffuse;
+    s.variance[1] += survey.demands[i].specular;
+  }
+  for (size_t i = 0; i < survey.demands.size(); ++i) {
+    ObjectSums& s = survey.sums[survey.object_at(i)];
+    Demand& d = survey.demands[i];
+    d.diffuse = std::max(d.diffuse, kLeastVariance * static_cast<float>(s.variance[0] / s.pixels));
+    d.specular = std::max(d.specular, kLeastVariance * static_cast<float>(s.variance[1] / s.pixels));
+    s.root[0] += std::sqrt(d.diffuse);
+    s.root[1] += std::sqrt(d.specular);
+  }
+}
+
+Survey survey_of(const Film& film, const NoiseTarget& target, int width, int height, int object_count) {
+  const auto pixels = static_cast<size_t>(width) * static_cast<size_t>(height);
+  Survey survey{width, height, std::vector<Statistics>(pixels), std::vector<Demand>(pixels), {}};
+  survey.sums.resize(static_cast<size_t>(object_count) + 1);
+  for_each_pixel(width, height, [&](int x, int y, size_t i) {
+    survey.statistics[i] = statistics_of(film.tile_at(x, y), Film::pixel_in_tile(x, y));
+  });
+  for_each_pixel(width, height, [&](int x, int y, size_t i) {
+    survey.demands[i] = demand_of(neighbourhood(survey.statistics, width, height, x, y), target);
+  });
+  sum_by_object(survey);
+  return survey;
+}
+
+// What pixels are given towards a target with an error above 0. A factor below 1 gives every pixel that share of the samples
+// that the target needs.
+struct Allotment {
+  const Film& film;
+  const NoiseTarget& target;
+  const Survey& survey;
+
+  // Samples that bring one layer of the pixel to the target.
+  int count(size_t pixel, size_t layer, float variance, int have, double factor) const {
+    const ObjectSums& s = survey.sums[survey.object_at(pixel)];
+    const double k = s.root[layer] / (s.pixels * sqr(static_cast<float>(target.error)));
+    return std::clamp(static_cast<int>(std::ceil(factor * k * std::sqrt(variance))), std::min(have, 2), kMaxSamples);
+  }
+  // Never fewer samples than there are.
+  PixelBudget budget(int x, int y, double factor) const {
+    const auto i = static_cast<size_t>(y * survey.width + x);
+    const int have = film.tile_at(x, y).samples(Film::pixel_in_tile(x, y));
+    PixelBudget b;
+    b.diffuse = count(i, 0, survey.demands[i].diffuse, have, factor);
+    b.specular = count(i, 1, survey.demands[i].specular, have, factor);
+    b.samples = std::max({b.diffuse, b.specular, have, survey.edge_at(x, y) ? kEdgeSamples : 0});
+    return b;
+  }
+  double mean_samples(double factor) const {
+    double sum = 0;
+    for (int y = 0; y < survey.height; ++y)
+      for (int x = 0; x < survey.width; ++x) sum += budget(x, y, factor).samples;
+    return sum / static_cast<double>(survey.demands.size());
+  }
+  // The largest that keeps to the target's mean of samples; at most 1.
+  double affordable_factor() const {
+    if (mean_samples(1) <= target.max_mean_samples) return 1;
+    double low = 0, high = 1;
+    for (int step = 0; step < 16; ++step) {
+      const double middle = 0.5 * (low + high);
+      (mean_samples(middle) > target.max_mean_samples ? high : low) = middle;
+    }
+    return low;
+  }
+};
+
+// What the samples on the film have left, per object.
+std::vector<LayerNoise> noise_left(const Film& film, const Survey& survey) {
+  std::vector<LayerNoise> noise(survey.sums.size() - 1);  // squares, summed
+  for (int y = 0; y < survey.height; ++y) {
+    for (int x = 0; x < survey.width; ++x) {
+      const auto i = static_cast<size_t>(y * survey.width + x);
+      const int shown = survey.statistics[i].object;
+      if (shown < 0) continue;
+      film.tile_at(x, y).for_each(Film::pixel_in_tile(x, y), [&](const PixelObject& o) {
+        if (o.object != shown) return;
+        LayerNoise& n = noise[static_cast<size_t>(shown)];
+        n[0] += survey.demands[i].diffuse / std::max(1, o.diffuse.count);
+        n[1] += survey.demands[i].specular / std::max(1, o.specular.count);
+      });
+    }
+  }
+  for (size_t o = 0; o < noise.size(); ++o)
+    for (double& n : noise[o])
+      if (survey.sums[o].pixels) n = std::sqrt(n / survey.sums[o].pixels);
+  return noise;
+}
+
 }  // namespace
 
 SamplePlan::SamplePlan(int width, int height, int samples)
@@ -97,88 +220,13 @@ int SamplePlan::most_samples() const {
 }
 
 void SamplePlan::revise(const Film& film, const NoiseTarget& target, int object_count) {
-  const size_t pixels = budgets_.size();
-  std::vector<Statistics> statistics(pixels);
-  std::vector<Demand> demands(pixels);
-  const auto for_each_pixel = [&](const auto& body) {
-    tbb::parallel_for(0, height_, [&](int y) {
-      for (int x = 0; x < width_; ++x) body(x, y, static_cast<size_t>(y * width_ + x));
-    });
-  };
-  for_each_pixel([&](int x, int y, size_t i) { statistics[i] = statistics_of(film.tile_at(x, y), Film::pixel_in_tile(x, y)); });
-  for_each_pixel([&](int x, int y, size_t i) { demands[i] = demand_of(neighbourhood(statistics, width_, height_, x, y), target); });
-
-  // Objects, and after them what shows none.
-  std::vector<ObjectSums> sums(static_cast<size_t>(object_count) + 1);
-  const auto sums_of = [&](size_t i) -> ObjectSums& {
-    return sums[statistics[i].object < 0 ? sums.size() - 1 : static_cast<size_t>(statistics[i].object)];
-  };
-  for (size_t i = 0; i < pixels; ++i) {
-    ObjectSums& s = sums_of(i);
-    ++s.pixels;
-    s.variance[0] += demands[i].diffuse;
-    s.variance[1] += demands[i].specular;
+  const Survey survey = survey_of(film, target, width_, height_, object_count);
+  if (target.error > 0) {
+    const Allotment allotment{film, target, survey};
+    const double factor = allotment.affordable_factor();
+    for_each_pixel(width_, height_, [&](int x, int y, size_t i) { budgets_[i] = allotment.budget(x, y, factor); });
   }
-  for (size_t i = 0; i < pixels; ++i) {
-    ObjectSums& s = sums_of(i);
-    demands[i].diffuse = std::max(demands[i].diffuse, kLeastVariance * static_cast<float>(s.variance[0] / s.pixels));
-    demands[i].specular = std::max(demands[i].specular, kLeastVariance * static_cast<float>(s.variance[1] / s.pixels));
-    s.root[0] += std::sqrt(demands[i].diffuse);
-    s.root[1] += std::sqrt(demands[i].specular);
-  }
-
-  // Budgets for a factor of all k. Never fewer samples than there are.
-  const auto budget = [&](int x, int y, size_t i, double factor) {
-    const ObjectSums& s = sums_of(i);
-    const TileSums& tile = film.tile_at(x, y);
-    const int pixel = Film::pixel_in_tile(x, y), have = tile.samples(pixel);
-    PixelBudget b;
-    const auto count = [&](size_t layer, float variance) {
-      const double k = s.root[layer] / (s.pixels * sqr(static_cast<float>(target.error)));
-      return std::clamp(static_cast<int>(std::ceil(factor * k * std::sqrt(variance))), std::min(have, 2), kMaxSamples);
-    };
-    b.diffuse = count(0, demands[i].diffuse);
-    b.specular = count(1, demands[i].specular);
-    const bool edge = statistics[i].edge || (x > 0 && statistics[i - 1].object != statistics[i].object) ||
-                      (y > 0 && statistics[i - static_cast<size_t>(width_)].object != statistics[i].object);
-    b.samples = std::max({b.diffuse, b.specular, have, edge ? kEdgeSamples : 0});
-    return b;
-  };
-  const auto mean_samples = [&](double factor) {
-    double sum = 0;
-    for (int y = 0; y < height_; ++y)
-      for (int x = 0; x < width_; ++x) sum += budget(x, y, static_cast<size_t>(y * width_ + x), factor).samples;
-    return sum / static_cast<double>(pixels);
-  };
-  double factor = 1;
-  if (target.error > 0 && mean_samples(1) > target.max_mean_samples) {
-    double low = 0;
-    for (int step = 0; step < 16; ++step) {
-      const double middle = 0.5 * (low + factor);
-      (mean_samples(middle) > target.max_mean_samples ? factor : low) = middle;
-    }
-    factor = low;
-  }
-  if (target.error > 0) for_each_pixel([&](int x, int y, size_t i) { budgets_[i] = budget(x, y, i, factor); });
-
-  // What is left now.
-  std::vector<LayerNoise> squares(sums.size());
-  for (int y = 0; y < height_; ++y) {
-    for (int x = 0; x < width_; ++x) {
-      const auto i = static_cast<size_t>(y * width_ + x);
-      if (statistics[i].object < 0) continue;
-      film.tile_at(x, y).for_each(Film::pixel_in_tile(x, y), [&](const PixelObject& o) {
-        if (o.object != statistics[i].object) return;
-        auto& s = squares[static_cast<size_t>(o.object)];
-        s[0] += demands[i].diffuse / std::max(1, o.diffuse.count);
-        s[1] += demands[i].specular / std::max(1, o.specular.count);
-      });
-    }
-  }
-  noise_.assign(static_cast<size_t>(object_count), {});
-  for (size_t o = 0; o < noise_.size(); ++o)
-    for (size_t layer = 0; layer < 2; ++layer)
-      if (sums[o].pixels) noise_[o][layer] = std::sqrt(squares[o][layer] / sums[o].pixels);
+  noise_ = noise_left(film, survey);
 }
 
 }  // namespace vitrine::trace

@@ -7,13 +7,12 @@
 #include <bit>
 #include <cmath>
 
+#include "formats/color.h"
+
 namespace vitrine::trace {
 namespace {
 
 using ByteTable = std::array<float, 256>;
-
-double linear_from_srgb(double c) { return c <= 0.04045 ? c / 12.92 : std::pow((c + 0.055) / 1.055, 2.4); }
-double srgb_from_linear(double c) { return c <= 0.0031308 ? 12.92 * c : 1.055 * std::pow(c, 1 / 2.4) - 0.055; }
 
 template <typename Decode>
 ByteTable make_table(const Decode& decode) {
@@ -22,7 +21,7 @@ ByteTable make_table(const Decode& decode) {
   return table;
 }
 // By encoding.
-const std::array<ByteTable, 2> kDecode = {make_table([](double c) { return c; }), make_table(linear_from_srgb)};
+const std::array<ByteTable, 2> kDecode = {make_table([](double c) { return c; }), make_table(linear_from_srgb<double>)};
 
 // sRGB codes of light in steps of 1 / 16384, finer than the darkest code.
 constexpr int kLightSteps = 16384;

@@ -2,8 +2,8 @@
 #include "host/verify/reference.h"
 
 #include <algorithm>
-#include <cmath>
 
+#include "formats/color.h"
 #include "host/base/error.h"
 
 namespace vitrine {
@@ -12,9 +12,10 @@ namespace {
 // Seeds of references lie apart from those of the frames that were compiled (0).
 constexpr uint32_t kFirstSeed = 0x7e500000;
 
+// What a display shows of it, in 8-bit units.
 double srgb(float radiance) {
-  const double x = radiance > 0 ? std::min(radiance, 1.0f) : 0.0;
-  return 255 * (x <= 0.0031308 ? 12.92 * x : 1.055 * std::pow(x, 1 / 2.4) - 0.055);
+  const double shown = radiance > 0 ? std::min(radiance, 1.0f) : 0.0;
+  return 255 * srgb_from_linear(shown);
 }
 
 std::vector<int> covered_pixels(const ObjectFrame& object, int frame_width) {

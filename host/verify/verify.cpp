@@ -80,7 +80,8 @@ Picture inferred_picture(const Scene& scene, const Inference& inference, const S
   options.supersampling = supersampling;
   const ParameterSpace space = scene.space();
   Picture picture{options.width, options.height, {}};
-  for (const glm::vec3& radiance : draw_inferred(store, scene, inference, options, gpu, space.flat_from_index(space.nearest_sample(position))))
+  const int64_t sample = space.flat_from_index(space.nearest_sample(position));
+  for (const glm::vec3& radiance : draw_inferred(store, scene, inference, kLayers, options, gpu, sample))
     for (int c = 0; c < 3; ++c) picture.rgb.push_back(srgb8_from_radiance(radiance[c] * scene.settings.exposure));
   return picture;
 }

@@ -65,8 +65,34 @@ Inference InferenceTest::inference;
 TEST_F(InferenceTest, DrawsTheFramesAgain) {
   ASSERT_EQ(inference.objects.size(), 2u);
   for (int64_t sample = 0; sample < 8; ++sample) {
-    const auto drawn = draw_inferred(work->store(), *scene, inference, kSmall, *gpu, sample);
+    const auto drawn = draw_inferred(work->store(), *scene, inference, kLayers, kSmall, *gpu, sample);
     EXPECT_GT(psnr(drawn, load(work->store(), frames[static_cast<size_t>(sample)], *scene).combined), 45) << "sample " << sample;
+  }
+}
+
+// What one layer gives to a frame.
+std::vector<glm::vec3> layer_of_frame(const Frame& frame, Layer layer) {
+  std::vector<glm::vec3> picture(frame.combined.size(), glm::vec3(0));
+  for (const ObjectFrame& o : frame.objects)
+    for (int i = 0; i < o.width * o.height; ++i) {
+      const auto k = static_cast<size_t>(i);
+      const auto pixel = static_cast<size_t>((o.y + i / o.width) * frame.width + o.x + i % o.width);
+      picture[pixel] += o.coverage[k] * (layer == Layer::kDiffuse ? o.diffuse[k] : o.specular[k]);
+    }
+  return picture;
+}
+
+TEST_F(InferenceTest, NoiseOfOneLayerIsSeenInPicturesOfThatLayerAlone) {
+  for (const int64_t sample : {0, 5}) {
+    const Frame frame = load(work->store(), frames[static_cast<size_t>(sample)], *scene);
+    const auto all = draw_inferred(work->store(), *scene, inference, kLayers, kSmall, *gpu, sample);
+    std::vector<glm::vec3> sum(all.size(), glm::vec3(0));
+    for (const Layer layer : kLayers) {
+      const auto alone = draw_inferred(work->store(), *scene, inference, {&layer, 1}, kSmall, *gpu, sample);
+      EXPECT_GT(psnr(alone, layer_of_frame(frame, layer)), 45) << layer_name(layer) << ", sample " << sample;
+      for (size_t i = 0; i < sum.size(); ++i) sum[i] += alone[i];
+    }
+    EXPECT_GT(psnr(sum, all), 120) << "sample " << sample;
   }
 }
 
@@ -182,7 +208,7 @@ TEST_F(InferenceTest, WithLittleMemoryItUsesFewerViewsAndSaysSo) {
   const Inference thinned = infer_textures(*scene, frames, work->store(), *gpu, options, silent_progress());
   ASSERT_EQ(thinned.warnings.size(), 1u);
   EXPECT_NE(thinned.warnings[0].find("every 2. view"), std::string::npos) << thinned.warnings[0];
-  const auto drawn = draw_inferred(work->store(), *scene, thinned, options, *gpu, 0);
+  const auto drawn = draw_inferred(work->store(), *scene, thinned, kLayers, options, *gpu, 0);
   EXPECT_GT(psnr(drawn, load(work->store(), frames[0], *scene).combined), 40);
 }
 

@@ -100,6 +100,26 @@ TEST(Picture, EdgesAreFilteredAsThePixelFilterSays) {
   EXPECT_EQ(o.coverage[1], 1);
 }
 
+TEST(Picture, TwoFramesOfAnObjectAreComparedWhereBothShowIt) {
+  const auto window = [](int x, int y, int width, int height) {
+    ObjectFrame o;
+    o.x = x, o.y = y, o.width = width, o.height = height;
+    return o;
+  };
+  const auto common = [](const ObjectFrame& a, const ObjectFrame& b) {
+    std::vector<std::pair<size_t, size_t>> pixels;
+    for_each_common_pixel(a, b, [&](size_t i, size_t j) { pixels.emplace_back(i, j); });
+    return pixels;
+  };
+  const ObjectFrame a = window(2, 1, 4, 3);
+  // Columns 4 and 5 of rows 2 and 3.
+  const std::vector<std::pair<size_t, size_t>> expected = {{6, 0}, {7, 1}, {10, 5}, {11, 6}};
+  EXPECT_EQ(common(a, window(4, 2, 5, 9)), expected);
+  EXPECT_EQ(common(a, a).size(), 12u);
+  EXPECT_TRUE(common(a, window(6, 1, 4, 3)).empty());  // side by side
+  EXPECT_TRUE(common(a, window(0, 0, 0, 0)).empty());  // not seen
+}
+
 bool same(const Frame& a, const Frame& b) {
   if (a.combined != b.combined || a.objects.size() != b.objects.size()) return false;
   for (size_t i = 0; i < a.objects.size(); ++i) {
@@ -155,15 +175,13 @@ std::map<int, std::array<double, 2>> differences(const Frame& a, const Frame& b)
       if (p.object != q.object) continue;
       std::array<double, 2> sum{};
       int count = 0;
-      for (int y = std::max(p.y, q.y); y < std::min(p.y + p.height, q.y + q.height); ++y)
-        for (int x = std::max(p.x, q.x); x < std::min(p.x + p.width, q.x + q.width); ++x, ++count) {
-          const auto i = static_cast<size_t>((y - p.y) * p.width + x - p.x),
-                     j = static_cast<size_t>((y - q.y) * q.width + x - q.x);
-          const glm::vec3 d = glm::clamp(p.diffuse[i] - q.diffuse[j], -1.0f, 1.0f),
-                          s = glm::clamp(p.specular[i] - q.specular[j], -1.0f, 1.0f);
-          sum[0] += glm::dot(d, d) / 3;
-          sum[1] += glm::dot(s, s) / 3;
-        }
+      for_each_common_pixel(p, q, [&](size_t i, size_t j) {
+        const glm::vec3 d = glm::clamp(p.diffuse[i] - q.diffuse[j], -1.0f, 1.0f),
+                        s = glm::clamp(p.specular[i] - q.specular[j], -1.0f, 1.0f);
+        sum[0] += glm::dot(d, d) / 3;
+        sum[1] += glm::dot(s, s) / 3;
+        ++count;
+      });
       result[p.object] = {sum[0] / count, sum[1] / count};
     }
   return result;

@@ -49,8 +49,10 @@ struct Row {
 
 nlohmann::json json_of(const Row& row) {
   nlohmann::json layers = nlohmann::json::array();
-  for (const LayerCost& l : row.cost.layers)
+  for (const LayerCost& l : row.cost.layers) {
     layers.push_back({{"object", l.object}, {"layer", l.layer}, {"estimated_db", l.estimated_db}, {"frame_db", l.frame_db}});
+    layers.back()["inferred_db"] = l.inferred_db ? nlohmann::json(*l.inferred_db) : nlohmann::json();
+  }
   nlohmann::json drawn = nlohmann::json::object();
   for (const DrawnCost& d : row.cost.drawn) drawn[d.object] = d.db;
   return {{"sampling", row.sampling}, {"rays_per_pixel", row.cost.rays_per_pixel}, {"seconds_per_frame", row.cost.seconds},
@@ -60,8 +62,12 @@ nlohmann::json json_of(const Row& row) {
 void print_row(const Row& row) {
   const NoiseCost& c = row.cost;
   fmt::print("{}: {:.1f} camera rays a pixel, {:.2f} s of processor time a frame", row.sampling, c.rays_per_pixel, c.seconds);
-  fmt::print("\n  between two seeds, dB       by layer:  estimated  in frames\n");
-  for (const LayerCost& l : c.layers) fmt::print("  {:<24} {:<9} {:>12.2f} {:>10.2f}\n", l.object, l.layer, l.estimated_db, l.frame_db);
+  fmt::print("\n  {:<24} {:<9} {:>12} {:>10} {:>10}\n", "between two seeds, dB", "by layer:", "estimated", "in frames",
+             "inferred");
+  for (const LayerCost& l : c.layers) {
+    const std::string inferred = l.inferred_db ? fmt::format("{:.2f}", *l.inferred_db) : "-";
+    fmt::print("  {:<24} {:<9} {:>12.2f} {:>10.2f} {:>10}\n", l.object, l.layer, l.estimated_db, l.frame_db, inferred);
+  }
   if (c.drawn.empty()) return;
   fmt::print("  drawn with textures:");
   for (const DrawnCost& d : c.drawn) fmt::print(" {} {:.2f}", d.object, d.db);
@@ -81,6 +87,7 @@ void BenchNoiseCommand::run() const {
   int averaged = 1;
   const auto loaded = load_scene_with(scene, common, [&](Scene& s) {
     apply_preset(s, preset);
+    apply_size(s, size);
     averaged = trace_options(s).views;
     keep_views(s, views);
   });

@@ -88,6 +88,7 @@ void add_bench_noise(CLI::App& bench, BenchNoiseCommand& options) {
   CLI::App* command = bench.add_subcommand("noise", "Noise that a preset leaves, layer by layer, and what the same costs with even sampling");
   command->add_option("SCENE", options.scene, "Folder with scene.toml, or a .toml file")->required()->check(kNotEmpty);
   command->add_option("--preset", options.preset, "Whose resolution and noise")->capture_default_str()->check(CLI::IsMember({"tiny", "small", "full"}));
+  command->add_option("--size", options.size, "WIDTHxHEIGHT of other pictures than the preset's, to the same noise")->check(kNotEmpty);
   command->add_option("--views", options.views, "Grid samples along each axis that moves the camera alone; the other axes stay at their first")->capture_default_str()->check(CLI::Range(1, 64));
   command->add_option("--even", options.even, "Camera rays per pixel that even sampling starts with; 0: no comparison")->capture_default_str()->check(CLI::Range(0, 4096));
   command->add_flag("--frames-only", options.frames_only, "Infer no textures: frames as the whole preset has them");

@@ -62,7 +62,7 @@ struct BenchTraceCommand {
 };
 
 struct BenchNoiseCommand {
-  std::string scene, preset = "small", work;
+  std::string scene, preset = "small", size, work;
   int views = 8, even = 0;
   bool frames_only = false;
   CommonOptions common;

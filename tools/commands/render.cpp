@@ -25,17 +25,6 @@ bool ends_with(const std::string& text, const char* suffix) {
   return text.size() >= s.size() && text.compare(text.size() - s.size(), s.size(), s) == 0;
 }
 
-// "640x480" into the scene's settings.
-void apply_size(Scene& scene, const std::string& size) {
-  if (size.empty()) return;
-  int width = 0, height = 0;
-  char extra = 0;
-  if (std::sscanf(size.c_str(), "%dx%d%c", &width, &height, &extra) != 2 || width < 1 || height < 1 || width > 16384 || height > 16384)
-    throw InputError("--size " + size, "it is not a size", "write WIDTHxHEIGHT, as 640x480, up to 16384 each");
-  scene.settings.width = width;
-  scene.settings.height = height;
-}
-
 void write_picture(const std::string& file, const Frame& frame, float exposure) {
   std::vector<uint8_t> rgb;
   rgb.reserve(frame.combined.size() * 3);
