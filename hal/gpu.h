@@ -61,6 +61,7 @@ struct ProgramDesc {
   // Bodies without #version and precision lines; the backend adds what its GL wants.
   const char* vertex = nullptr;
   const char* fragment = nullptr;
+  const char* fragment_library = "";  // functions that `fragment` uses, put before it
   // Samplers in the fragment shader, in the order of Draw::textures (at most 8).
   std::span<const char* const> samplers;
   // Both shaders may declare `uniform vec4 params[uniform_count];` (at most 64); a draw sets all of it.

@@ -75,7 +75,7 @@ Status check_mesh(const MeshDesc& desc) {
 }
 
 Status check_program(const ProgramDesc& desc) {
-  if (!desc.vertex || !desc.fragment) return impossible("a program needs a vertex and a fragment shader");
+  if (!desc.vertex || !desc.fragment || !desc.fragment_library) return impossible("a program needs a vertex and a fragment shader");
   if (desc.samplers.size() > kMaxSamplers) return impossible("more than 8 samplers");
   for (const char* name : desc.samplers)
     if (!name || !*name) return impossible("a sampler has no name");

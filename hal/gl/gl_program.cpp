@@ -13,9 +13,9 @@ constexpr char kPrecision[] = "precision highp float;\nprecision highp int;\npre
 
 void print_log(const char* what, const char* log) { std::fprintf(stderr, "vitrine: %s: %s\n", what, log); }
 
-GLuint compile(const GlFunctions& gl, GLenum kind, const char* body, bool es) {
+GLuint compile(const GlFunctions& gl, GLenum kind, const char* library, const char* body, bool es) {
   const GLuint shader = gl.CreateShader(kind);
-  const std::array<const char*, 3> sources{es ? "#version 300 es\n" : "#version 330 core\n", kPrecision, body};
+  const std::array<const char*, 4> sources{es ? "#version 300 es\n" : "#version 330 core\n", kPrecision, library, body};
   gl.ShaderSource(shader, static_cast<GLsizei>(sources.size()), sources.data(), nullptr);
   gl.CompileShader(shader);
   GLint compiled = 0;
@@ -52,8 +52,8 @@ void bind_samplers(const GlFunctions& gl, GLuint program, std::span<const char* 
 }  // namespace
 
 Result<GLuint> build_gl_program(const GlFunctions& gl, const ProgramDesc& desc, bool es) {
-  const GLuint vertex = compile(gl, GL_VERTEX_SHADER, desc.vertex, es);
-  const GLuint fragment = vertex ? compile(gl, GL_FRAGMENT_SHADER, desc.fragment, es) : 0;
+  const GLuint vertex = compile(gl, GL_VERTEX_SHADER, "", desc.vertex, es);
+  const GLuint fragment = vertex ? compile(gl, GL_FRAGMENT_SHADER, desc.fragment_library, desc.fragment, es) : 0;
   const GLuint program = fragment ? gl.CreateProgram() : 0;
   const bool linked = program && link(gl, program, vertex, fragment);
   if (vertex) gl.DeleteShader(vertex);  // live on in the program

@@ -21,6 +21,7 @@
 #include "host/base/progress.h"
 #include "host/frames/store.h"
 #include "host/scene/scene.h"
+#include "target/draw/surface_filter.h"
 
 namespace vitrine {
 
@@ -51,6 +52,7 @@ struct Inference {
 
 struct InferenceOptions {
   int width = 640, height = 480, supersampling = 2;
+  SurfaceFilter filter = SurfaceFilter::kTrilinear;  // with which the target will read textures
   float regularization = 0.3f;   // e_f
   int iterations = 40;            // of conjugate gradients, at most
   float texels_per_pixel = 1.0f;  // of the texture domain at the finest level

@@ -11,7 +11,7 @@
 namespace vitrine {
 namespace {
 
-constexpr int kInferenceVersion = 4;  // changes whenever the same input would give other textures
+constexpr int kInferenceVersion = 5;  // changes whenever the same input would give other textures
 constexpr size_t kBatch = 8;          // states read at once, if their frames stay below
 constexpr size_t kBatchFrameBytes = size_t{1} << 30;
 constexpr size_t kFramePixelBytes = 40;  // of a loaded frame: the picture, and layers of about one object a pixel
@@ -60,7 +60,9 @@ StoreKey InferenceRun::base_key() const {
   key.text("vitrine inference");
   key.integer(kInferenceVersion);
   key.text(gpu_.info().renderer);
-  for (const int value : {options_.width, options_.height, options_.supersampling, options_.iterations}) key.integer(value);
+  for (const int value :
+       {options_.width, options_.height, options_.supersampling, static_cast<int>(options_.filter), options_.iterations})
+    key.integer(value);
   key.number(static_cast<double>(options_.regularization));
   key.number(static_cast<double>(scene_.settings.exposure));
   for (const DrawnObject& object : inference_.objects) {
@@ -167,10 +169,10 @@ void InferenceRun::solve_missing(Progress& progress) {
       }
     {
       TestRenderer renderer(gpu_, options_, inference_.objects);
-      MatrixReader reader(renderer, inference_.objects, options_.supersampling);
+      const auto reader = make_matrix_reader(renderer, inference_.objects, states_[static_cast<size_t>(states.front())]);
       const size_t batch = batch_size();
       for (size_t begin = 0; begin < states.size(); begin += batch)
-        process_batch(std::span(states).subspan(begin, std::min(batch, states.size() - begin)), reader, progress);
+        process_batch(std::span(states).subspan(begin, std::min(batch, states.size() - begin)), *reader, progress);
     }
     solve_stacks(progress);
     finish_importance();

@@ -1,17 +1,13 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 //
-// The rendering matrix A, read off test renderings with texel identifiers (Hakura 2001, section 3.4.3), for all objects of
-// a geometry state at once (the depth buffer says which object a supersample shows).
-//
-// The paper shares one 8-bit picture between a weight and an identifier; a float target has room for both. One rendering
-// carries identifiers in all channels: texels hold their own texture coordinates, their level and their object, so what the
-// device returns is where, between which levels and on what a supersample samples. This stays unambiguous within +-2 texels
-// and +-1.5 levels, also at odd sizes, where a neighbourhood of constant identifiers (paper: every 6th texel) would overlap
-// the next one. So every 4th texel in u and v and every 3rd level can be set at once: 48 patterns, 4 to a rendering.
-// Renderings for levels that no supersample reaches are left out: 5 to 13 renderings a state.
+// The rendering matrix A (Hakura 2001, section 3.4): which texels the device mixes, and how, where a supersample shows an object.
+// It is read off test renderings of all objects of a geometry state at once (the depth buffer says which object a supersample
+// shows), in one of two ways: by texel identifiers, which trusts no formula (identifier_reader.h), and by coordinates, from one
+// rendering a tap and the formula of GL's filters (coordinate_reader.h). The second is taken where a device is seen to follow it.
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -42,36 +38,19 @@ using StateMatrix = std::vector<ObjectMatrix>;  // per drawn object
 
 class MatrixReader {
  public:
-  // Texture sizes of `objects` are final. Keeps textures of all patterns while they fit into `texture_bytes`.
-  MatrixReader(TestRenderer& renderer, std::span<const DrawnObject> objects, int supersampling,
-               size_t texture_bytes = size_t{1} << 30);
-  ~MatrixReader();
-  MatrixReader(const MatrixReader&) = delete;
-  MatrixReader& operator=(const MatrixReader&) = delete;
-
-  // Throws InputError where the device mixes more than kMaxTaps texels or weights do not sum to 1 within 1e-4.
-  std::vector<StateMatrix> read(std::span<const GeometryState* const> states);
-
-  static constexpr int kMaxTaps = 8;
-
- private:
-  struct Scratch;
-  const std::vector<hal::Texture>& pattern_textures(int rendering);
-  void release_pattern(int rendering);
-  void render_identifiers(const GeometryState& state, Scratch& scratch);
-  void collect(int rendering, Scratch& scratch) const;
-  StateMatrix assemble(const Scratch& scratch) const;
-
-  TestRenderer* renderer_;
-  int supersampling_;
-  bool keep_patterns_;
-  std::vector<Pyramid> pyramids_;
-  std::vector<hal::Texture> identifiers_;
-  std::vector<std::vector<hal::Texture>> patterns_;
-  std::vector<Scratch> scratch_;  // kept from one read to the next
+  virtual ~MatrixReader() = default;
+  // Throws InputError where the device mixes more texels than its filter says or weights do not sum to 1 within 1e-4.
+  virtual std::vector<StateMatrix> read(std::span<const GeometryState* const> states) = 0;
+  virtual int64_t renderings() const = 0;  // so far
+  virtual const char* method() const = 0;  // "identifiers", "coordinates"
 };
 
-// The identifiers of one texture: (u, v, level, object + 1) per texel of the pyramid.
-std::vector<glm::vec4> identifier_texels(const Pyramid& pyramid, int object);
+// The largest difference of two weights of the same texel and sample; infinite where samples or objects differ.
+float largest_difference(const StateMatrix& a, const StateMatrix& b);
+
+// The fastest reader that is right on this device: by coordinates where they give what identifiers give in `state`. Texture
+// sizes of `objects` are final.
+std::unique_ptr<MatrixReader> make_matrix_reader(TestRenderer& renderer, std::span<const DrawnObject> objects,
+                                                 const GeometryState& state);
 
 }  // namespace vitrine

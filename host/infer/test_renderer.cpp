@@ -6,6 +6,26 @@
 namespace vitrine {
 namespace {
 
+constexpr char kOneTap[] = R"(
+uniform sampler2D radiance;
+uniform vec4 params[5];
+in vec2 surface;
+layout(location = 0) out vec4 color;
+void main() {
+  vec2 at;
+  color = surface_tap(radiance, surface, int(params[4].x), at);
+})";
+constexpr char kCoordinates[] = R"(
+uniform sampler2D radiance;
+uniform vec4 params[5];
+in vec2 surface;
+layout(location = 0) out vec4 color;
+void main() {
+  vec2 at;
+  vec4 read = surface_tap(radiance, surface, int(params[4].x), at);
+  color = vec4(at, read.zw);
+})";
+
 void check(const Status& status) {
   if (!status.ok()) throw InputError("graphics device", status.detail(), "use a device with float targets and enough memory");
 }
@@ -33,8 +53,10 @@ hal::Texture create_pyramid_texture(hal::Gpu& gpu, SceneDrawer& drawer, const Py
 TestRenderer::TestRenderer(hal::Gpu& gpu, const InferenceOptions& options, std::span<const DrawnObject> objects) : gpu_(&gpu) {
   if (!gpu.info().float_targets)
     throw InputError("graphics device", "it cannot render to floats", "compile on one that can (OSMesa does)");
-  drawer_ =
-      checked(SceneDrawer::create(gpu, {options.width, options.height, options.supersampling, hal::TextureFormat::kRgba32f}));
+  drawer_ = checked(SceneDrawer::create(
+      gpu, {options.width, options.height, options.supersampling, hal::TextureFormat::kRgba32f, options.filter}));
+  one_tap_ = checked(drawer_.create_program(kOneTap));
+  coordinates_ = checked(drawer_.create_program(kCoordinates));
   for (const DrawnObject& object : objects) {
     meshes_.push_back(object.indices.empty()
                           ? DrawMesh{}
@@ -45,16 +67,36 @@ TestRenderer::TestRenderer(hal::Gpu& gpu, const InferenceOptions& options, std::
 TestRenderer::~TestRenderer() {
   for (const DrawMesh& mesh : meshes_)
     if (mesh.mesh.id) gpu_->destroy(mesh.mesh);
-  gpu_->destroy(drawer_.supersampled());
+  gpu_->destroy(one_tap_);
+  gpu_->destroy(coordinates_);
+  drawer_.destroy();
+}
+
+void TestRenderer::render_with(hal::Program program, int tap, const GeometryState& state, std::span<const hal::Texture> textures,
+                               std::span<glm::vec4> pixels) {
+  check(drawer_.begin());
+  for (size_t i = 0; i < meshes_.size(); ++i) {
+    if (!meshes_[i].mesh.id || !textures[i].id) continue;
+    const bool mirrored = state.mirrored[i] != 0;
+    check(program.id ? drawer_.draw_with(program, glm::vec4(tap), meshes_[i], state.clip_from_object[i], mirrored, textures[i])
+                     : drawer_.draw(meshes_[i], state.clip_from_object[i], mirrored, textures[i]));
+  }
+  check(drawer_.end());
+  check(gpu_->read_pixels(drawer_.supersampled(), hal::TextureFormat::kRgba32f, std::as_writable_bytes(pixels)));
 }
 
 void TestRenderer::render(const GeometryState& state, std::span<const hal::Texture> textures, std::span<glm::vec4> pixels) {
-  check(drawer_.begin());
-  for (size_t i = 0; i < meshes_.size(); ++i)
-    if (meshes_[i].mesh.id && textures[i].id)
-      check(drawer_.draw(meshes_[i], state.clip_from_object[i], state.mirrored[i] != 0, textures[i]));
-  check(drawer_.end());
-  check(gpu_->read_pixels(drawer_.supersampled(), hal::TextureFormat::kRgba32f, std::as_writable_bytes(pixels)));
+  render_with({}, 0, state, textures, pixels);
+}
+
+void TestRenderer::render_tap(const GeometryState& state, std::span<const hal::Texture> textures, int tap,
+                              std::span<glm::vec4> pixels) {
+  render_with(one_tap_, tap, state, textures, pixels);
+}
+
+void TestRenderer::render_coordinates(const GeometryState& state, std::span<const hal::Texture> textures, int tap,
+                                      std::span<glm::vec4> pixels) {
+  render_with(coordinates_, tap, state, textures, pixels);
 }
 
 }  // namespace vitrine

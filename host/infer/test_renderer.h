@@ -38,14 +38,25 @@ class TestRenderer {
   // textures[i] for object i; id 0: the object is not drawn. `pixels`: width() * height(), rows bottom first; 0 where
   // nothing is.
   void render(const GeometryState& state, std::span<const hal::Texture> textures, std::span<glm::vec4> pixels);
+  // What tap number `tap` of the filter reads, alone.
+  void render_tap(const GeometryState& state, std::span<const hal::Texture> textures, int tap, std::span<glm::vec4> pixels);
+  // Where it reads: texture coordinates, and the third and fourth channel of what it reads there.
+  void render_coordinates(const GeometryState& state, std::span<const hal::Texture> textures, int tap,
+                          std::span<glm::vec4> pixels);
+  int taps() const { return tap_count(drawer_.desc().filter); }
+  int supersampling() const { return drawer_.desc().supersampling; }
   int width() const { return drawer_.supersampled_width(); }  // in supersamples
   int height() const { return drawer_.supersampled_height(); }
   hal::Gpu& gpu() { return *gpu_; }
   SceneDrawer& drawer() { return drawer_; }
 
  private:
+  void render_with(hal::Program program, int tap, const GeometryState& state, std::span<const hal::Texture> textures,
+                   std::span<glm::vec4> pixels);
+
   hal::Gpu* gpu_;
   SceneDrawer drawer_;
+  hal::Program one_tap_, coordinates_;
   std::vector<DrawMesh> meshes_;
 };
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <optional>
 
-#include "host/infer/rendering_matrix.h"
+#include "host/infer/identifier_reader.h"
 
 namespace vitrine {
 namespace {

@@ -7,15 +7,16 @@
 #include <cstring>
 
 #include "target/draw/resolve.h"
+#include "target/draw/surface_filter.h"
 
 namespace vitrine {
 namespace {
 
-constexpr int kDrawUniforms = 4;  // clip_from_object, by columns
+constexpr int kDrawUniforms = 5;  // clip_from_object, by columns; then what a program of create_program() is given
 constexpr char kDrawVertex[] = R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec2 texture_coordinate;
-uniform vec4 params[4];
+uniform vec4 params[5];
 out vec2 surface;
 void main() {
   surface = texture_coordinate;
@@ -25,7 +26,12 @@ constexpr char kDrawFragment[] = R"(
 uniform sampler2D radiance;
 in vec2 surface;
 layout(location = 0) out vec4 color;
-void main() { color = texture(radiance, surface); })";
+void main() {
+  vec2 at;
+  vec4 sum = vec4(0.0);
+  for (int tap = 0; tap < surface_taps; ++tap) sum += surface_tap(radiance, surface, tap, at);
+  color = sum / float(surface_taps);
+})";
 
 // params[0]: exposure, supersampling, first tap, tap count; params[1..2]: weights.
 constexpr int kResolveUniforms = 3;
@@ -62,12 +68,6 @@ Status check(const DrawerDesc& desc) {
   return {};
 }
 
-Result<hal::Program> create_draw_program(hal::Gpu& gpu) {
-  static constexpr const char* kSamplers[] = {"radiance"};
-  return gpu.create_program(
-      {.vertex = kDrawVertex, .fragment = kDrawFragment, .samplers = kSamplers, .uniform_count = kDrawUniforms});
-}
-
 Result<hal::Program> create_resolve_program(hal::Gpu& gpu) {
   static constexpr const char* kSamplers[] = {"picture"};
   return gpu.create_program(
@@ -84,13 +84,22 @@ Result<SceneDrawer> SceneDrawer::create(hal::Gpu& gpu, const DrawerDesc& desc) {
   const auto target = gpu.create_target({drawer.supersampled_width(), drawer.supersampled_height(), desc.target_format, true});
   if (!target.ok()) return target.status();
   drawer.supersampled_ = target.value();
-  const auto draw_program = create_draw_program(gpu);
+  const auto draw_program = drawer.create_program(kDrawFragment);
   const auto resolve_program = create_resolve_program(gpu);
   drawer.draw_program_ = draw_program.value();
   drawer.resolve_program_ = resolve_program.value();
   if (draw_program.ok() && resolve_program.ok()) return drawer;
   drawer.destroy();  // what was made of it: id 0 is none
   return draw_program.ok() ? resolve_program.status() : draw_program.status();
+}
+
+Result<hal::Program> SceneDrawer::create_program(const char* fragment) {
+  static constexpr const char* kSamplers[] = {"radiance"};
+  return gpu_->create_program({.vertex = kDrawVertex,
+                               .fragment = fragment,
+                               .fragment_library = surface_tap_source(desc_.filter),
+                               .samplers = kSamplers,
+                               .uniform_count = kDrawUniforms});
 }
 
 void SceneDrawer::destroy() {
@@ -119,9 +128,15 @@ Result<hal::Texture> SceneDrawer::create_texture(int width, int height, hal::Tex
 Status SceneDrawer::begin() { return gpu_->begin_pass({.target = supersampled_}); }
 
 Status SceneDrawer::draw(const DrawMesh& mesh, const glm::mat4& clip_from_object, bool mirrored, hal::Texture texture) {
+  return draw_with(draw_program_, {}, mesh, clip_from_object, mirrored, texture);
+}
+
+Status SceneDrawer::draw_with(hal::Program program, const glm::vec4& parameter, const DrawMesh& mesh,
+                              const glm::mat4& clip_from_object, bool mirrored, hal::Texture texture) {
   std::array<float, 4 * kDrawUniforms> uniforms;
-  std::memcpy(uniforms.data(), &clip_from_object, sizeof uniforms);
-  hal::Draw draw{.program = draw_program_,
+  std::memcpy(uniforms.data(), &clip_from_object, sizeof clip_from_object);
+  std::memcpy(uniforms.data() + 16, &parameter, sizeof parameter);
+  hal::Draw draw{.program = program,
                  .mesh = mesh.mesh,
                  .index_count = mesh.culled_index_count,
                  .textures = {&texture, 1},

@@ -3,18 +3,20 @@
 // Draws textured objects into a supersampled linear picture and resolves it to the screen. The engine plays with it, and
 // the host reads the rendering matrix off it (host/infer): what is inverted is what will run.
 //
-// A picture is drawn at `supersampling` times the output size into a float target, without antialiasing, each fragment one
-// trilinear texture fetch; the resolve pass filters it with formats/pixel_filter.h, multiplies by the exposure, clamps and
-// applies the sRGB curve.
+// A picture is drawn at `supersampling` times the output size into a float target, without antialiasing, each fragment reading
+// its texture as surface_filter.h says; the resolve pass filters it with formats/pixel_filter.h, multiplies by the exposure,
+// clamps and applies the sRGB curve.
 #pragma once
 
 #include <cstdint>
 #include <glm/mat4x4.hpp>
+#include <glm/vec4.hpp>
 #include <span>
 
 #include "formats/mesh.h"
 #include "formats/status.h"
 #include "hal/gpu.h"
+#include "target/draw/surface_filter.h"
 
 namespace vitrine {
 
@@ -22,6 +24,7 @@ struct DrawerDesc {
   int width = 0, height = 0;                                        // output pixels
   int supersampling = 2;                                            // 1..4
   hal::TextureFormat target_format = hal::TextureFormat::kRgba16f;  // kRgba32f for inference
+  SurfaceFilter filter = SurfaceFilter::kTrilinear;
 };
 
 struct DrawMesh {
@@ -46,6 +49,11 @@ class SceneDrawer {
   Status begin();
   // `mirrored`: world_from_object turns the surface inside out (negative determinant).
   Status draw(const DrawMesh& mesh, const glm::mat4& clip_from_object, bool mirrored, hal::Texture texture);
+  // The same by a program of one's own, for who wants to know how the device draws: its fragment shader finds
+  // `uniform sampler2D radiance`, `in vec2 surface`, surface_filter.h's function and, in params[4], `parameter`.
+  Result<hal::Program> create_program(const char* fragment);
+  Status draw_with(hal::Program program, const glm::vec4& parameter, const DrawMesh& mesh, const glm::mat4& clip_from_object,
+                   bool mirrored, hal::Texture texture);
   Status end();
   Status resolve(hal::Target output, float exposure);
 

@@ -8,7 +8,9 @@
 #include <map>
 #include <random>
 
+#include "host/infer/coordinate_reader.h"
 #include "host/infer/filtered_matrix.h"
+#include "host/infer/identifier_reader.h"
 #include "tests/infer/test_scene.h"
 
 namespace vitrine::testing {
@@ -28,9 +30,9 @@ std::vector<DrawnObject> board_and_card(int board_width, int board_height, int c
   return {board, card};
 }
 
-GeometryState looking_down(float aspect) {
+GeometryState looking_down(float aspect, float height) {
   const glm::mat4 clip = glm::perspective(0.9f, aspect, 0.1f, 50.0f) *
-                         glm::lookAt(glm::vec3(0.3f, 0.6f, 3), glm::vec3(0, -0.5f, 0), glm::vec3(0, 1, 0));
+                         glm::lookAt(glm::vec3(0.3f, height, 3), glm::vec3(0, -0.5f, 0), glm::vec3(0, 1, 0));
   return {{clip, clip}, {0, 0}};
 }
 
@@ -44,10 +46,10 @@ class RenderingMatrixTest : public ::testing::Test {
     objects = std::move(drawn);
     options = o;
     renderer = std::make_unique<TestRenderer>(*gpu, options, objects);
-    state = looking_down(static_cast<float>(o.width) / static_cast<float>(o.height));
-    MatrixReader reader(*renderer, objects, options.supersampling, texture_bytes);
+    state = looking_down(static_cast<float>(o.width) / static_cast<float>(o.height), eye_height);
     const GeometryState* const states[] = {&state};
-    matrix = reader.read(states)[0];
+    matrix = IdentifierReader(*renderer, objects, texture_bytes).read(states)[0];
+    by_coordinates = CoordinateReader(*renderer, objects).read(states)[0];
     for (const DrawnObject& object : objects) pyramids.emplace_back(object.texture_width, object.texture_height);
   }
   std::vector<glm::vec4> render(const std::vector<std::vector<glm::vec4>>& texels) {
@@ -69,11 +71,12 @@ class RenderingMatrixTest : public ::testing::Test {
   }
 
   std::unique_ptr<hal::Gpu> gpu;
+  float eye_height = 0.6f;
   std::vector<DrawnObject> objects;
   InferenceOptions options;
   std::unique_ptr<TestRenderer> renderer;
   GeometryState state;
-  StateMatrix matrix;
+  StateMatrix matrix, by_coordinates;
   std::vector<Pyramid> pyramids;
 };
 
@@ -90,27 +93,84 @@ std::vector<std::vector<glm::vec4>> random_textures(const std::vector<Pyramid>& 
   return texels;
 }
 
-// Every level has random texels of its own, so any weight on a wrong texel shows.
+constexpr SurfaceFilter kFilters[] = {SurfaceFilter::kBilinear, SurfaceFilter::kTrilinear, SurfaceFilter::kAnisotropic2,
+                                      SurfaceFilter::kAnisotropic4};
+
+// Every level has random texels of its own, so any weight on a wrong texel shows. The bound is what is asked of a float device.
 TEST_F(RenderingMatrixTest, TheMatrixTimesATextureIsItsRendering) {
-  for (const auto& [width, height] : {std::pair{64, 64}, std::pair{40, 72}, std::pair{37, 101}, std::pair{256, 8}}) {
-    pyramids.clear();
-    read(board_and_card(width, height, 24, 16), kPicture);
-    const auto texels = random_textures(pyramids);
-    const auto pixels = render(texels);
-    size_t seen = 0;
-    for (size_t i = 0; i < matrix.size(); ++i)
-      for (size_t s = 0; s < matrix[i].samples.size(); ++s) {
-        glm::vec4 sum(0);
-        for (uint32_t e = matrix[i].starts[s]; e < matrix[i].starts[s + 1]; ++e)
-          sum += matrix[i].entries[e].weight * texels[i][matrix[i].entries[e].texel];
-        const glm::vec4 drawn = pixels[place(matrix[i], matrix[i].samples[s])];
-        ASSERT_LT(glm::length(sum - drawn), 1e-4f)
-            << "object " << i << ", sample " << s << ", texture " << width << " x " << height;
-        ++seen;
+  for (const SurfaceFilter filter : kFilters)
+    for (const auto& [width, height] : {std::pair{64, 64}, std::pair{40, 72}, std::pair{37, 101}, std::pair{256, 8}}) {
+      SCOPED_TRACE(::testing::Message() << "filter " << static_cast<int>(filter) << ", texture " << width << " x " << height);
+      pyramids.clear();
+      InferenceOptions o = kPicture;
+      o.filter = filter;
+      read(board_and_card(width, height, 24, 16), o);
+      const auto texels = random_textures(pyramids);
+      const auto pixels = render(texels);
+      for (const StateMatrix* read : {&matrix, &by_coordinates}) {
+        size_t seen = 0;
+        for (size_t i = 0; i < read->size(); ++i) {
+          const ObjectMatrix& rows = (*read)[i];
+          for (size_t s = 0; s < rows.samples.size(); ++s) {
+            glm::vec4 sum(0);
+            for (uint32_t e = rows.starts[s]; e < rows.starts[s + 1]; ++e)
+              sum += rows.entries[e].weight * texels[i][rows.entries[e].texel];
+            const glm::vec4 difference = glm::abs(sum - pixels[place(rows, rows.samples[s])]);
+            ASSERT_LT(std::max({difference.x, difference.y, difference.z}), 1e-5f)
+                << (read == &matrix ? "identifiers" : "coordinates") << ", object " << i << ", sample " << s;
+            ++seen;
+          }
+        }
+        EXPECT_EQ(seen, static_cast<size_t>(
+                            std::count_if(pixels.begin(), pixels.end(), [](const glm::vec4& p) { return p.w > 0.5f; })));
       }
-    EXPECT_EQ(seen,
-              static_cast<size_t>(std::count_if(pixels.begin(), pixels.end(), [](const glm::vec4& p) { return p.w > 0.5f; })));
+    }
+}
+
+TEST_F(RenderingMatrixTest, BothWaysToReadTheMatrixGiveTheSame) {
+  for (const SurfaceFilter filter : kFilters) {
+    InferenceOptions o = kPicture;
+    o.filter = filter;
+    read(board_and_card(120, 72, 24, 16), o);
+    EXPECT_LT(largest_difference(matrix, by_coordinates), 1e-5f) << "filter " << static_cast<int>(filter);
   }
+}
+
+TEST_F(RenderingMatrixTest, ADeviceThatFollowsTheFormulaIsReadWithOneRenderingATap) {
+  InferenceOptions o = kPicture;
+  for (const SurfaceFilter filter : {SurfaceFilter::kTrilinear, SurfaceFilter::kAnisotropic4}) {
+    o.filter = filter;
+    read(board_and_card(64, 64, 24, 16), o);
+    const auto reader = make_matrix_reader(*renderer, objects, state);
+    ASSERT_STREQ(reader->method(), "coordinates");
+    const int64_t before = reader->renderings();
+    const GeometryState* const states[] = {&state, &state, &state};
+    reader->read(states);
+    EXPECT_EQ(reader->renderings() - before, 3 * tap_count(filter));
+  }
+}
+
+// Where the footprint is long, more taps read finer levels: that is what they are for.
+TEST_F(RenderingMatrixTest, MoreTapsReadFinerLevelsWhereTheFootprintIsLong) {
+  eye_height = -0.6f;  // flat above the board
+  const auto mean_level = [&](SurfaceFilter filter) {
+    InferenceOptions o = kPicture;
+    o.filter = filter;
+    pyramids.clear();
+    read(board_and_card(256, 256, 24, 16), o);
+    double sum = 0;
+    for (const MatrixEntry& e : matrix[0].entries) {
+      size_t level = 0;
+      while (level + 1 < pyramids[0].levels().size() && e.texel >= pyramids[0].levels()[level + 1].offset) ++level;
+      sum += static_cast<double>(e.weight) * static_cast<double>(level);
+    }
+    return sum / static_cast<double>(matrix[0].samples.size());
+  };
+  const double one = mean_level(SurfaceFilter::kTrilinear), two = mean_level(SurfaceFilter::kAnisotropic2),
+               four = mean_level(SurfaceFilter::kAnisotropic4);
+  EXPECT_GT(one, two + 0.1);
+  EXPECT_GT(two, four + 0.1);
+  EXPECT_NEAR(mean_level(SurfaceFilter::kBilinear), 0, 1e-5);
 }
 
 TEST_F(RenderingMatrixTest, WeightsOfASampleSumToOne) {
