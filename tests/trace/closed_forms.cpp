@@ -40,6 +40,26 @@ TEST(ClosedForm, RectangleLampLightsAFloor) {
   }
 }
 
+// As a ceiling's lamp lights the wall beside it: at a grazing angle, where sampled directions towards a lamp easily miss it.
+TEST(ClosedForm, RectangleLampLightsAWallBesideIt) {
+  // Irradiance as above, but from the part y in [0, a], z in [0, b] of a rectangle in the plane x = -h.
+  const auto upright = [](double a, double b, double h) {
+    const double d = std::sqrt(h * h + a * a);
+    return 0.5 * (std::atan(b / h) - h / d * std::atan(b / d));
+  };
+  for (const float h : {0.06f, 0.2f, 0.4f}) {
+    Scene scene = floor_scene(0.5f);
+    add_object(scene, make_quad({-h, 0.5f, 0.5f}, {0, 0, -1}, {0, 1, 0}), add_material(scene, lamp(glm::vec3(3))), "lamp");
+    const double expected = 0.5 / kPi * 3 * 2 * (upright(1.5, 0.5, h) - upright(0.5, 0.5, h));
+    for (const auto strategy :
+         {trace::LightStrategy::kBoth, trace::LightStrategy::kLightsOnly, trace::LightStrategy::kScatteringOnly}) {
+      trace::PathSettings settings;
+      settings.strategy = strategy;
+      EXPECT_ESTIMATE(look_at_origin(scene, settings).diffuse, expected, 1e-3 * expected);
+    }
+  }
+}
+
 TEST(ClosedForm, LampThatFacesAwayGivesNothingUnlessDoubleSided) {
   for (const bool double_sided : {false, true}) {
     Scene scene = floor_scene(0.5f);
