@@ -274,6 +274,7 @@ bool Bsdf::sample_delta_glass(float lobe, float least_chance, BsdfSample& sample
   const float share = p_.glass * base_share_ / glass_probability_;
   sample.delta = true;
   if (lobe < reflect_probability) {
+    sample.total = reflect_probability == 1;
     sample.wi = base_.to_world({-local_wo_.x, -local_wo_.y, local_wo_.z});
     sample.weight = reflected * (share / reflect_probability);
     return same_side(sample.wi);
@@ -306,6 +307,7 @@ bool Bsdf::sample_rough_glass(float lobe, const glm::vec2& u, BsdfSample& sample
   glass_split(fresnel_dielectric(glm::dot(local_wo_, h), eta_), reflected, transmitted, reflect_probability);
   glm::vec3 local = mirror(local_wo_, h);
   sample.transmitted = lobe >= reflect_probability;
+  sample.total = reflect_probability == 1;
   if (sample.transmitted) {
     if (p_.thin) {
       local.z = -local.z;

@@ -55,6 +55,7 @@ struct BsdfSample {
   glm::vec3 wi{0};
   bool delta = false;
   bool transmitted = false;  // through glass
+  bool total = false;        // reflected where glass lets nothing out
   glm::vec3 weight{0};       // delta only: f * |cos| / pdf among the specular lobes; others are weighed by evaluate()
 };
 

@@ -16,6 +16,7 @@ constexpr float kFaintSpecular = 0.02f,
 constexpr float kLeastChance = 0.25f;
 // The cone of a scattered ray is as wide as this share of a round solid angle that holds its density's direction once.
 constexpr float kConeShare = 0.25f;
+constexpr float kReach = 1 - 4e-6f;      // of the way to a light that has to be free: all but the rounding of its length
 constexpr float kStraightAlpha = 0.25f;  // lobes this wide take light straight through glass
 
 float power_heuristic(float a, float b) {
@@ -217,9 +218,10 @@ bool Integrator::advance_through_cut(const Surface& surface, const Hit& hit, Pat
   return true;
 }
 
-// The weight of light that a scattered ray found, whose source sample_lights() would have found with `light_pdf`.
+// The weight of light that a scattered ray found, whose source sample_lights() would have found with `light_pdf`; negative:
+// never.
 glm::vec3 Integrator::found_weight(const Path& path, float light_pdf) const {
-  if (!sample_lights_ || light_pdf <= 0) return glm::vec3(1);
+  if (!sample_lights_ || light_pdf < 0) return glm::vec3(1);
   if (!path.lights_sampled) return path.share;
   if (settings_.strategy == LightStrategy::kLightsOnly) return glm::vec3(0);
   return path.share * power_heuristic(path.pdf, light_pdf);
@@ -236,6 +238,20 @@ glm::vec3 Integrator::escaped(const Path& path) const {
   const glm::vec3 radiance = lights_.environment().radiance(path.ray.direction);
   if (!lights_.environment_sampled()) return radiance;
   return radiance * found_weight(path, lights_.environment_pdf(path.receiver, path.ray.direction));
+}
+
+// Whether light that a wide lobe receives may come straight through glass. Not to what stands inside of glass, which is a lens to
+// it: refracted rays find that light.
+bool Integrator::goes_straight(const Path& path) const { return settings_.straight_shadows && path.media.empty(); }
+
+// From beside the surface to just before the light: nothing but the rounding of numbers is left out, or a cover close to a lamp
+// would leak.
+Ray Integrator::ray_to_light(const Surface& surface, const LightSample& light) const {
+  const glm::vec3 origin = leave(surface, light.wi);
+  if (!std::isfinite(light.distance)) return {origin, light.wi};
+  const glm::vec3 way = surface.position + light.distance * light.wi - origin;
+  const float length = glm::length(way);
+  return {origin, way / length, 0, std::max(length * kReach - lights_.margin(), 0.0f)};
 }
 
 // A point of a light that the surface can see where nothing is in the way.
@@ -286,12 +302,11 @@ Integrator::Direct Integrator::sample_lights(const Path& path, const Surface& su
                          : draw(path, bsdf, view, choice, pick, point, c);
   if (!drawn) return {};
 
-  const glm::vec3 origin = leave(surface, c.light.wi);
-  const float reach = std::isfinite(c.light.distance) ? c.light.distance * 0.9999f - surface.margin : c.light.distance;
-  const bool straight =
-      settings_.straight_shadows && (!is_black(c.value.diffuse) || bsdf.wide(kStraightAlpha) || c.light.punctual);
-  const Shadow shadow = world_.shadow({origin, c.light.wi, 0, std::max(reach, 0.0f)}, straight, path.media.absorption());
+  const bool straight = c.light.punctual ? settings_.straight_shadows
+                                         : goes_straight(path) && (!is_black(c.value.diffuse) || bsdf.wide(kStraightAlpha));
+  const Shadow shadow = world_.shadow(ray_to_light(surface, c.light), straight, path.media.absorption());
   if (is_black(shadow.transmittance)) return {};
+  if (shadow.through_glass) scale *= path.radiance_scale;  // inside of glass radiance is larger by its squared index
   const Direct light = shadow.through_glass ? weigh_through_glass(c, bsdf) : weigh(c, bsdf, choice.split);
   return {light.diffuse * (scale * shadow.transmittance), light.specular * (scale * shadow.transmittance)};
 }
@@ -315,8 +330,8 @@ Integrator::Direct Integrator::weigh_through_glass(const Candidate& c, const Bsd
   return {c.value.diffuse * light, all ? c.value.specular * light : glm::vec3(0)};
 }
 
-bool Integrator::scatter(Path& path, const Surface& surface, const Bsdf& bsdf, Continuation continuation,
-                         Sampler& sampler, const Stratum& stratum) const {
+bool Integrator::scatter(Path& path, const Surface& surface, const Bsdf& bsdf, Continuation continuation, Sampler& sampler,
+                         const Stratum& stratum) const {
   const glm::vec2 u = sampler.get2d();
   float diffuse_chance = continuation == Continuation::kDiffuse ? 1.0f : 0.0f;
   if (continuation == Continuation::kEither) {
@@ -370,10 +385,12 @@ void Integrator::continue_path(Path& path, const Surface& surface, const Bsdf& b
   if (bent) {
     path.share *= path.share_behind_glass;
     path.share_behind_glass = glm::vec3(1);
+  } else if (sample.total && bsdf.inside()) {
+    // Where glass reflects all, straight lines go out instead, with the light that this path would find.
   } else {
     path.share = glm::vec3(1);
     path.share_behind_glass = glm::vec3(1);
-    if (path.lights_sampled && settings_.straight_shadows) {
+    if (path.lights_sampled && goes_straight(path)) {
       const bool none = is_black(value.specular) || bsdf.wide(kStraightAlpha);
       path.share_behind_glass =
           none ? glm::vec3(0) : value.specular / glm::max(value.diffuse + value.specular, glm::vec3(1e-20f));

@@ -16,7 +16,8 @@
 //
 // Glass in the way of a shadow ray. For diffuse and rough lobes (alpha >= 1/4) light goes straight through, losing Fresnel
 // reflection, tint and absorption on its way ("straight-through shadows"); the refracted paths that such lobes start are then
-// not counted again. THIS IS A BIAS: light keeps its total but is not focused, there are no caustics of mesh and punctual lights
+// not counted again, nor is what glass reflects totally within on their way. What stands inside of glass finds its light by
+// refraction. THIS IS A BIAS: light about keeps its total but is not focused, there are no caustics of mesh and punctual lights
 // through glass. Lobes narrower than that see true refraction, and a constant environment is never sampled as a light, so its
 // light is refracted truly. Reflections keep their caustics, which a small lamp may make noisy; Settings::max_radiance bounds
 // what one path may bring beyond direct light (a bias too; off by default).
@@ -86,6 +87,8 @@ class Integrator {
   glm::vec3 emitted(const Path& path, const Surface& surface) const;
   glm::vec3 escaped(const Path& path) const;
   glm::vec3 found_weight(const Path& path, float light_pdf) const;
+  bool goes_straight(const Path& path) const;
+  Ray ray_to_light(const Surface& surface, const LightSample& light) const;
   struct LightChoice {
     bool split;   // lobes are kept apart, as at the first vertex
     Lobes lobes;  // that light is wanted for

@@ -102,6 +102,7 @@ void Lights::add_emitters(const World& world, std::vector<LightBounds>& bounds) 
       if (map.empty()) map.assign(triangles, -1);
       map[t] = static_cast<int>(emitters_.size());
       emitters_.push_back(e);
+      margin_ = std::max(margin_, posed.triangles[t].margin);
       bounds.push_back(bounds_of(e.corner, e.edge1, e.edge2, e.front / length, intensity, area, e.double_sided));
     }
   }
@@ -245,7 +246,7 @@ float Lights::surface_pdf(const LightReceiver& receiver, const Surface& surface,
                           float distance) const {
   const auto& map = emitter_of_triangle_[static_cast<size_t>(surface.object)];
   const int index = map.empty() ? -1 : map[static_cast<size_t>(surface.triangle)];
-  if (index < 0) return 0;
+  if (index < 0) return -1;
   const float cosine = std::fabs(glm::dot(direction, surface.geometric));
   const float area = 0.5f * glm::length(emitters_[static_cast<size_t>(index)].front);
   const View seen = view(receiver);

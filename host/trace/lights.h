@@ -27,6 +27,8 @@ class Lights {
 
   bool empty() const { return count_ == 0; }
   bool single() const { return count_ == 1; }
+  // How far before a light's surface a ray to it may end, so as not to meet it.
+  float margin() const { return margin_; }
 
   // With which probability what has a place, directional lights and the environment are sampled: of sum 1, or all 0 where
   // nothing can light the receiver.
@@ -47,7 +49,7 @@ class Lights {
   // One light, and one point of it. False where it gives the receiver no light.
   bool sample(const View& view, float pick, const glm::vec2& u, LightSample& sample) const;
   // The density with which sample() finds a point of an emissive surface that a ray of `direction` from the receiver met at
-  // `distance`.
+  // `distance`. Negative: it is none of the lights, for no receiver.
   float surface_pdf(const LightReceiver& receiver, const Surface& surface, const glm::vec3& direction, float distance) const;
   float environment_pdf(const LightReceiver& receiver, const glm::vec3& direction) const;
   bool environment_sampled() const { return environment_.sampled(); }
@@ -85,6 +87,7 @@ class Lights {
   std::vector<std::vector<int>> emitter_of_triangle_;  // per object: empty, or an index (or -1) per triangle
   LightTree tree_;                                     // emitters, then points and spots
   size_t count_ = 0;
+  float margin_ = 0;
 };
 
 }  // namespace vitrine::trace

@@ -60,6 +60,34 @@ TEST(ClosedForm, RectangleLampLightsAWallBesideIt) {
   }
 }
 
+// However fine its mesh: many triangles make a tree of lights, which leaves out those that a point cannot see.
+TEST(ClosedForm, LampInsideOfGlassIsCountedOnce) {
+  const auto seen = [](int rows, bool straight) {
+    Scene scene = floor_scene(0.5f);
+    add_object(scene, make_sphere({0.3f, 1.5f, 0.2f}, 0.2f, rows), add_material(scene, lamp(glm::vec3(20))), "lamp");
+    add_object(scene, make_sphere({0.3f, 1.5f, 0.2f}, 0.4f, 48), add_material(scene, clear_glass(1.5f, 0, 1)), "glass");
+    trace::PathSettings settings;
+    settings.straight_shadows = straight;
+    return look_at_origin(scene, settings).diffuse;
+  };
+  const Estimate refracted = seen(48, false);
+  for (const int rows : {12, 48}) {
+    const Estimate straight = seen(rows, true);
+    EXPECT_NEAR(straight.mean, refracted.mean, 0.08 * refracted.mean + 3 * std::hypot(straight.error, refracted.error)) << rows;
+  }
+}
+
+TEST(ClosedForm, NoLightLeaksThroughACoverCloseToItsLamp) {
+  for (const auto& [height, gap] : {std::pair(10.0f, 5e-4f), std::pair(100.0f, 5e-3f), std::pair(2.0f, 1e-4f)}) {
+    Scene scene = floor_scene(0.5f);
+    add_object(scene, make_quad({-1, height, -1}, {2, 0, 0}, {0, 0, 2}), add_material(scene, lamp(glm::vec3(100))), "lamp");
+    Material black = lambert(glm::vec3(0));
+    black.double_sided = true;
+    add_object(scene, make_quad({-2, height - gap, -2}, {4, 0, 0}, {0, 0, 4}), add_material(scene, black), "cover");
+    EXPECT_EQ(look_at_origin(scene).diffuse.mean, 0) << height << " m, " << gap << " m";
+  }
+}
+
 TEST(ClosedForm, LampThatFacesAwayGivesNothingUnlessDoubleSided) {
   for (const bool double_sided : {false, true}) {
     Scene scene = floor_scene(0.5f);

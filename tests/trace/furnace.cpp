@@ -10,7 +10,7 @@ namespace vitrine::test {
 namespace {
 
 constexpr double kEnergySlack = 0.005;  // of one
-constexpr double kDepthSlack = 1e-4;   // single precision over many bounces
+constexpr double kDepthSlack = 1e-4;    // single precision over many bounces
 
 Laboratory::Radiance plate(const Material& material, float degrees) {
   Scene scene = scene_with_camera({0, 0, 5}, {0, 0, 0}, 0.5f);
@@ -74,6 +74,38 @@ TEST(Furnace, DiffuseLayerDoesNotDependOnTheView) {
   plastic.base_color = {0.7f, 0.5f, 0.3f, 1};
   const Estimate head_on = plate(plastic, 5).diffuse, grazing = plate(plastic, 80).diffuse;
   EXPECT_NEAR(head_on.mean, grazing.mean, 4 * std::hypot(head_on.error, grazing.error) + kDepthSlack);
+}
+
+// A map of radiance 1 is sampled as a light, other than a constant, so here light that goes straight through glass is weighed.
+void set_map_of_ones(Scene& scene) {
+  scene.environment.width = 16;
+  scene.environment.height = 8;
+  scene.environment.radiance.assign(16 * 8, glm::vec3(1));
+}
+
+// Straight lines lose what glass reflects of the light that they stand for, and what it reflects within comes on top.
+constexpr double kThroughGlassSlack = 0.12;
+
+TEST(Furnace, WhatGlassStandsOnGetsItsLightOnce) {
+  for (const bool box : {false, true}) {
+    SCOPED_TRACE(box ? "box" : "ball");
+    Scene scene = scene_with_camera({0, 0, 5}, {0, 0, 0}, 0.5f);
+    set_map_of_ones(scene);
+    add_object(scene, make_quad({-3, -3, 0}, {6, 0, 0}, {0, 6, 0}), add_material(scene, lambert(glm::vec3(1))), "floor");
+    Geometry glass = box ? make_box({-0.5f, -0.5f, 0.001f}, {0.5f, 0.5f, 1}) : make_sphere({0, 0, 0.501f}, 0.5f);
+    add_object(scene, std::move(glass), add_material(scene, clear_glass(1.5f, 0, 1)), "glass");
+    for (const glm::vec3& from : {glm::vec3(0.1f, 0.2f, 4), glm::vec3(2, 1, 3)}) {
+      EXPECT_ESTIMATE(Laboratory(scene).look(from, glm::vec3(0.05f, 0.1f, 0.3f) - from, 16, 256).sum, 1, kThroughGlassSlack);
+    }
+  }
+}
+
+TEST(Furnace, WhatStandsInsideOfGlassGetsItsLight) {
+  Scene scene = scene_with_camera({0, 0, 5}, {0, 0, 0}, 0.5f);
+  set_map_of_ones(scene);
+  add_object(scene, make_sphere({0, 0, 0}, 0.5f), add_material(scene, lambert(glm::vec3(1))), "inner");
+  add_object(scene, make_sphere({0, 0, 0}, 1), add_material(scene, clear_glass(1.5f, 0, 1)), "glass");
+  EXPECT_ESTIMATE(Laboratory(scene).look({0.1f, 0.2f, 4}, {0, 0, -1}, 16, 256).sum, 1, 2 * kEnergySlack);
 }
 
 }  // namespace
