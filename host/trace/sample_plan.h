@@ -7,6 +7,11 @@
 // A layer whose samples have the variance V in a pixel has the error V / n there after n of them. The fewest samples for a
 // given mean error over the layer's pixels are n = k sqrt(V) (Neyman 1934). V is the mean of what the samples of a pixel's
 // neighbours tell, never its own: the count of a pixel that followed its own samples would bias their mean (Kirk & Arvo 1991).
+// Nor do its own samples choose the object: a pixel meets the needs of all objects that its eight neighbours show most of, and
+// is at an edge where these show several. k is the object's without the pixels that it told V; whether a pixel is at an edge
+// is settled once, when all have the same number of samples. What no neighbour found leaves noise, and no bias. What stays of
+// a pixel's influence on itself goes by way of its neighbours' counts, which change how well they tell V, not what V is in
+// the mean.
 #pragma once
 
 #include <array>
@@ -17,10 +22,10 @@
 namespace vitrine::trace {
 
 struct NoiseTarget {
-  double error = 0;             // root mean square per object and layer, sRGB codes in [0, 1]; 0: budgets stay as they are
-  double views = 1;             // over which layers that do not depend on the view are averaged
-  double max_mean_samples = 64; // camera samples of a pixel in the mean; where the target needs more, it is missed evenly
-  float white = 1;              // radiance that the display shows as white
+  double error = 0;              // root mean square per object and layer, sRGB codes in [0, 1]; 0: budgets stay as they are
+  double views = 1;              // over which layers that do not depend on the view are averaged
+  double max_mean_samples = 64;  // camera samples of a pixel in the mean; where the target needs more, it is missed evenly
+  float white = 1;               // radiance that the display shows as white
 };
 
 struct PixelBudget {
@@ -47,6 +52,9 @@ class SamplePlan {
  private:
   int width_, height_;
   std::vector<PixelBudget> budgets_;
+  // Where several objects meet, as the first revise() saw it, when all pixels had the same number of samples: with more
+  // samples a pixel finds more, and those that it told would tell it in turn.
+  std::vector<char> edges_;
   std::vector<LayerNoise> noise_;
 };
 

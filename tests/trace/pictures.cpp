@@ -254,6 +254,85 @@ TEST(Picture, GivingRaysByNeedMakesNothingBrighterOrDarker) {
   EXPECT_NEAR(mean.mean, mean_of(clean), 4 * mean.error + 0.004 * mean.mean);
 }
 
+// An unlit black wall, seen from the front in 32 x 32 pixels that are 1 wide: x and y run from -16 to 16.
+Scene wall_seen_from_the_front() {
+  Scene scene = scene_with_camera({0, 0, 5}, {0, 0, 0}, 0.5f);
+  scene.camera.perspective = false;
+  scene.camera.ymag = 16;
+  Material black;
+  black.unlit = true;
+  black.base_color = {0, 0, 0, 1};
+  add_object(scene, make_quad({-64, -64, -1}, {128, 0, 0}, {0, 128, 0}), add_material(scene, black), "wall");
+  return scene;
+}
+
+// The mean over seeds of the pictures' mean luminance.
+Estimate mean_light(const Scene& scene, TraceOptions options, int seeds) {
+  Tracer tracer(scene);
+  options.width = options.height = 32;
+  return estimate(seeds, [&](uint32_t seed) {
+    options.seed = seed;
+    double sum = 0;
+    for (const glm::vec3& c : tracer.render({}, options).combined) sum += trace::luminance(c);
+    return sum / 1024;
+  });
+}
+
+// The tests below ask for little and for much: the passes are few and many then.
+constexpr double kNoiseTargets[] = {30, 45, 60};
+
+// Two samples of a pixel hardly ever find such a dot. Those pixels that were given more because they found it would average
+// over fewer misses.
+TEST(Picture, DotsFarSmallerThanAPixelKeepTheirLightWhateverNoiseIsAskedFor) {
+  Scene scene = wall_seen_from_the_front();
+  const int white = add_material(scene, lamp(glm::vec3(1)));
+  for (int i = 0; i < 64; ++i) {
+    const glm::vec3 corner(-13.65f + 4 * static_cast<float>(i % 8), -13.65f + 4 * static_cast<float>(i / 8), 0);
+    add_object(scene, make_quad(corner, {0.3f, 0, 0}, {0, 0.3f, 0}), white, "dot");
+  }
+  for (const double noise : kNoiseTargets) {
+    SCOPED_TRACE(testing::Message() << noise << " dB");
+    EXPECT_ESTIMATE(mean_light(scene, {.noise_db = noise}, 200), 64 * 0.3 * 0.3 / 1024, 0);
+  }
+}
+
+TEST(Picture, LinesThinnerThanAPixelKeepTheirLightWhateverNoiseIsAskedFor) {
+  Scene scene = wall_seen_from_the_front();
+  const int white = add_material(scene, lamp(glm::vec3(1)));
+  for (int i = 0; i < 5; ++i) {
+    const glm::vec3 corner(-13.1f + 5.3f * static_cast<float>(i), -12, 0);
+    add_object(scene, make_quad(corner, {0.2f, 0, 0}, {0, 24, 0}), white, "line");
+  }
+  for (const double noise : kNoiseTargets) {
+    SCOPED_TRACE(testing::Message() << noise << " dB");
+    EXPECT_ESTIMATE(mean_light(scene, {.noise_db = noise}, 100), 5 * 0.2 * 24 / 1024, 0);
+  }
+}
+
+// Few pixels show each ball, and these alone tell how noisy it is.
+TEST(Picture, SmallNoisyThingsKeepTheirLightWhateverNoiseIsAskedFor) {
+  Scene scene = wall_seen_from_the_front();
+  const int plastic = add_material(scene, [] {
+    Material m;
+    m.metallic = 0;
+    m.roughness = 0.3f;
+    return m;
+  }());
+  for (int i = 0; i < 49; ++i) {
+    const glm::vec3 center(-12 + 4 * static_cast<float>(i % 7), -12 + 4 * static_cast<float>(i / 7), 0);
+    add_object(scene, make_sphere(center, 0.8f, 8), plastic, "ball");
+  }
+  const int bright = add_material(scene, lamp(glm::vec3(40)));
+  add_object(scene, make_sphere({0, 0, 30}, 4, 8), bright, "lamp behind the camera");
+  add_object(scene, make_sphere({-20, 0, 2}, 2, 8), bright, "lamp beside the picture");
+  const Estimate even = mean_light(scene, {.samples_per_pixel = 256}, 8);
+  for (const double noise : kNoiseTargets) {
+    SCOPED_TRACE(testing::Message() << noise << " dB");
+    const Estimate e = mean_light(scene, {.noise_db = noise}, 50);
+    EXPECT_NEAR(e.mean, even.mean, 3 * std::hypot(e.error, even.error));
+  }
+}
+
 TEST(Picture, LayersThatManyViewsShareGetFewerRays) {
   const Scene scene = still_life();
   Tracer tracer(scene);
