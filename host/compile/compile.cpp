@@ -7,8 +7,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "formats/companding.h"
 #include "formats/color.h"
+#include "formats/companding.h"
 #include "hal/backends.h"
 #include "hal/storage.h"
 #include "host/base/error.h"
@@ -23,15 +23,12 @@
 namespace vitrine {
 namespace {
 
-// Over how many pictures a layer that does not depend on the view can be counted on to be averaged. A texel of a convex object
-// is seen from less than half of the views around it, and from few of these squarely: on tests/scenes/table, with 64 views
-// counted as 32, textures of round objects had 1.4 dB more noise than was asked for (walls, which all views see, 7 dB less).
-// Only steps of half an octave, so that an axis that grows a little leaves the frames that there are as they are.
+// Over how many pictures a layer that does not depend on the view is averaged. Only in steps of half an octave, so that an axis
+// that grows a little leaves the frames that there are as they are.
 int views_averaged(const Scene& scene) {
-  constexpr double kSharePerTexel = 0.36;
-  constexpr int kMostViews = 32;
+  constexpr int kMostViews = 64;
   const AxisMask axes = only_camera_axes(scene);
-  double views = kSharePerTexel;
+  double views = 1;
   for (size_t a = 0; a < scene.axes.size(); ++a)
     if (axes >> a & 1) views *= scene.axes[a].shape.samples;
   int counted = 1;
@@ -74,7 +71,8 @@ int64_t render_missing(const Scene& scene, const std::vector<StoreKey>& keys, co
   return static_cast<int64_t>(missing.size());
 }
 
-Inference infer(const Scene& scene, const std::vector<StoreKey>& keys, const Store& store, int supersampling, Progress& progress) {
+Inference infer(const Scene& scene, const std::vector<StoreKey>& keys, const Store& store, int supersampling,
+                Progress& progress) {
   auto gpu = hal::create_osmesa_gpu(scene.settings.width, scene.settings.height);
   if (!gpu.ok()) throw InputError("OSMesa", gpu.status().detail(), "install the packages of tools/packages.txt");
   return infer_textures(scene, keys, store, *gpu.value(), inference_options(scene, supersampling), progress);
@@ -86,7 +84,8 @@ CodedPlanes coded_planes(const LinearTexture& texture) {
   CodedPlanes planes(3 * texels);
   for (size_t i = 0; i < texels; ++i) {
     const glm::vec3& radiance = texture.texels[i];
-    const Ycocg c = ycocg_from_rgb({code_from_radiance(radiance.r), code_from_radiance(radiance.g), code_from_radiance(radiance.b)});
+    const Ycocg c =
+        ycocg_from_rgb({code_from_radiance(radiance.r), code_from_radiance(radiance.g), code_from_radiance(radiance.b)});
     planes[i] = static_cast<int16_t>(c.y);
     planes[texels + i] = static_cast<int16_t>(c.co);
     planes[2 * texels + i] = static_cast<int16_t>(c.cg);
@@ -100,7 +99,8 @@ std::vector<float> attention(const Inference& inference) {
   std::vector<double> pixels(inference.objects.size());
   for (const Field& field : inference.fields)
     pixels[static_cast<size_t>(field.drawn_object)] = std::accumulate(field.importance.begin(), field.importance.end(), 0.0);
-  const double mean = std::accumulate(pixels.begin(), pixels.end(), 0.0) / static_cast<double>(std::max<size_t>(1, pixels.size()));
+  const double mean =
+      std::accumulate(pixels.begin(), pixels.end(), 0.0) / static_cast<double>(std::max<size_t>(1, pixels.size()));
   std::vector<float> factors;
   for (const double own : pixels)
     factors.push_back(own > 0 ? std::clamp(static_cast<float>(std::cbrt(mean / own)), 0.25f, 4.0f) : 1.0f);
@@ -125,21 +125,23 @@ FieldSource field_source(const Scene& scene, const Inference& inference, int num
 struct BuiltImage {
   std::vector<std::byte> bytes;
   std::vector<std::string> misfits;  // what the profile does not provide for
-  uint64_t field_bytes = 0;  // EncodedField::bytes of all fields
+  uint64_t field_bytes = 0;          // EncodedField::bytes of all fields
 };
 
 // Encodes for `field_bytes`, plans and links.
 BuiltImage build_image(const Scene& scene, const Inference& inference, const Store& store, const Profile& profile,
-                                   uint64_t field_bytes, Progress& progress) {
+                       uint64_t field_bytes, Progress& progress) {
   std::vector<FieldSource> sources;
   const std::vector<float> factors = attention(inference);
   for (size_t f = 0; f < inference.fields.size(); ++f)
-    sources.push_back(field_source(scene, inference, static_cast<int>(f), factors[static_cast<size_t>(inference.fields[f].drawn_object)], store));
+    sources.push_back(field_source(scene, inference, static_cast<int>(f),
+                                   factors[static_cast<size_t>(inference.fields[f].drawn_object)], store));
   const std::vector<EncodedField> encoded = encode_fields(sources, {.target_bytes = field_bytes}, progress);
 
   std::vector<PlannedField> planned;
   for (size_t f = 0; f < encoded.size(); ++f)
-    planned.push_back({inference.fields[f].axes, &encoded[f], sources[f].width, sources[f].height, inference.fields[f].drawn_object});
+    planned.push_back(
+        {inference.fields[f].axes, &encoded[f], sources[f].width, sources[f].height, inference.fields[f].drawn_object});
   std::vector<float> speeds;
   for (const Axis& axis : scene.axes) speeds.push_back(axis.max_speed);
 
@@ -166,7 +168,7 @@ uint64_t guessed_overhead(const Inference& inference) {
 
 // An image of at most `bytes`, and at least 98.5 % of them where the fields have that much to say.
 BuiltImage build_to_size(const Scene& scene, const Inference& inference, const Store& store, const Profile& profile,
-                                     uint64_t bytes, Progress& progress) {
+                         uint64_t bytes, Progress& progress) {
   constexpr int kAttempts = 3;
   uint64_t overhead = guessed_overhead(inference);
   for (int attempt = 1;; ++attempt) {
@@ -176,9 +178,10 @@ BuiltImage build_to_size(const Scene& scene, const Inference& inference, const S
     const bool satisfied = image.field_bytes * 1000 < for_fields * 985;  // the fields had no more to say
     if (fits && (full || satisfied || attempt >= kAttempts)) return image;
     if (attempt >= kAttempts) {
-      throw InputError(scene.file.string(),
-                       "the image needs " + std::to_string(image.bytes.size()) + " bytes, storage allows " + std::to_string(bytes),
-                       "allow more storage, or lower resolution_scale");
+      throw InputError(
+          scene.file.string(),
+          "the image needs " + std::to_string(image.bytes.size()) + " bytes, storage allows " + std::to_string(bytes),
+          "allow more storage, or lower resolution_scale");
     }
     overhead = image.bytes.size() - image.field_bytes + 64;
   }
@@ -233,11 +236,14 @@ std::optional<Inference> find_inference(const Scene& scene, const Store& store, 
 
 CompileReport compile_scene(const Scene& scene, const CompileOptions& options, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
-  if (options.image.extension() != ".vit") throw InputError(options.image.string(), "it is not the name of an image", "write -o NAME.vit");
+  if (options.image.extension() != ".vit")
+    throw InputError(options.image.string(), "it is not the name of an image", "write -o NAME.vit");
   check_output_file(options.image);
-  if (scene.axes.empty()) throw InputError(scene.file.string(), "there is no [[axis]]", "add one (vitrine new shows how), or use vitrine render");
+  if (scene.axes.empty())
+    throw InputError(scene.file.string(), "there is no [[axis]]", "add one (vitrine new shows how), or use vitrine render");
   check_rigid(scene);
-  const Profile profile = options.profile.empty() ? load_profile(scene.settings.profile, scene.file.string() + ": target.profile") : load_profile(options.profile);
+  const Profile profile = options.profile.empty() ? load_profile(scene.settings.profile, scene.file.string() + ": target.profile")
+                                                  : load_profile(options.profile);
   const std::string storage = options.storage.empty() ? scene.settings.storage : options.storage;
   const uint64_t bytes = storage_bytes(storage, scene, options.storage.empty() ? scene.file.string() : "--storage");
   const Store store(options.work);

@@ -55,7 +55,8 @@ float display_slope(float radiance) {
 Demand demand_of(const Statistics& s, const NoiseTarget& target) {
   glm::vec3 weight;  // squared slopes, the channels' mean
   for (int c = 0; c < 3; ++c) weight[c] = sqr(display_slope(s.radiance[c] / target.white) / target.white) / 3;
-  return {glm::dot(weight, s.diffuse / static_cast<float>(target.views) + s.view), glm::dot(weight, s.specular)};
+  const float views = s.object < 0 ? 1 : target.views[static_cast<size_t>(s.object)];
+  return {glm::dot(weight, s.diffuse / views + s.view), glm::dot(weight, s.specular)};
 }
 
 // Sums over pixels that show one object.
@@ -94,6 +95,7 @@ struct Survey {
   // left the vase of tests/scenes/table 2.5 dB short of what was asked for.
   Demand demand_around(int x, int y, int object) const {
     Statistics mean;
+    mean.object = object;
     int count = 0;
     for_each_around(x, y, kRadius, [&](size_t i) {
       const Statistics& s = statistics[i];

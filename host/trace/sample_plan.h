@@ -23,7 +23,7 @@ namespace vitrine::trace {
 
 struct NoiseTarget {
   double error = 0;              // root mean square per object and layer, sRGB codes in [0, 1]; 0: budgets stay as they are
-  double views = 1;              // over which layers that do not depend on the view are averaged
+  std::vector<float> views;      // per object, over which its layers that do not depend on the view are averaged
   double max_mean_samples = 64;  // camera samples of a pixel in the mean; where the target needs more, it is missed evenly
   float white = 1;               // radiance that the display shows as white
 };

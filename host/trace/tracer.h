@@ -24,7 +24,8 @@ struct TraceOptions {
   bool layers = true;  // fill Frame::objects
   // 0: every pixel gets the same. Otherwise rays are given where they are needed (trace/sample_plan.h) until two renderings
   // with different seeds would agree to so many decibels in every layer of every object, or the rays are spent. PSNR of
-  // sRGB codes; of layers that do not depend on the view after the average over `views` pictures.
+  // sRGB codes; of layers that do not depend on the view after the average over `views` pictures, of which a point of the
+  // surface is seen in all or, where it belongs to a round object, in a third.
   double noise_db = 0;
   int views = 1;
 };
