@@ -10,7 +10,7 @@ using Albedos = std::map<float, std::shared_ptr<const GlassAlbedo>>;
 
 // glTF: an ior of 0 stands for infinity.
 float index_of(const Material& m) { return m.ior == 0 ? 1e4f : std::max(m.ior, 1.0f); }
-float dielectric_f0(const Material& m) { return sqr((index_of(m) - 1) / (index_of(m) + 1)); }
+float dielectric_f0(float ior) { return sqr((ior - 1) / (ior + 1)); }
 
 glm::vec3 absorption_of(const Material& m) {
   if (m.attenuation_distance <= 0 || !std::isfinite(m.attenuation_distance)) return glm::vec3(0);
@@ -33,12 +33,11 @@ Properties factors_of(const Material& m) {
 
 // For a white base.
 SurfaceParameters parameters_of(const ShadingMaterial& material, const Properties& q) {
-  const Material& m = *material.source;
   const float metallic = q.metallic_roughness.x;
   SurfaceParameters p;
   p.alpha = sqr(q.metallic_roughness.y);
-  p.ior = index_of(m);
-  p.dielectric_f0 = q.specular * glm::min(dielectric_f0(m) * q.specular_color, glm::vec3(1));
+  p.ior = material.ior;
+  p.dielectric_f0 = q.specular * glm::min(dielectric_f0(material.ior) * q.specular_color, glm::vec3(1));
   p.dielectric_f90 = glm::vec3(q.specular);
   p.dielectric = (1 - metallic) * (1 - q.transmission);
   p.metal = metallic;
@@ -64,14 +63,15 @@ void prepare_optics(const Material& m, Albedos& albedos, ShadingMaterial& s) {
   if (!s.solid) return;
   s.absorption = absorption_of(m);
   if (s.smooth) return;
-  auto& albedo = albedos[m.ior];
-  if (!albedo) albedo = std::make_shared<const GlassAlbedo>(index_of(m));
+  auto& albedo = albedos[s.ior];
+  if (!albedo) albedo = std::make_shared<const GlassAlbedo>(s.ior);
   s.glass_albedo = albedo;
 }
 
 ShadingMaterial prepare(const Material& m, Albedos& albedos) {
   ShadingMaterial s;
   s.source = &m;
+  s.ior = index_of(m);
   prepare_optics(m, albedos, s);
   s.textured = m.metallic_roughness_texture || m.transmission_texture || m.specular_texture || m.specular_color_texture ||
                m.clearcoat_texture || m.clearcoat_roughness_texture;
@@ -175,8 +175,8 @@ glm::vec3 straight_transmittance(const Textures& textures, const ShadingMaterial
   const float share = (1 - metallic) * transmission_at(textures, m, point);
   inside = inside && material.solid;  // a thin wall has no inside: its back is another front
   // Leaving at an angle of total reflection would be black; the straight line stands for the refracted path, which does leave.
-  const float reflectance =
-      fresnel_dielectric(inside ? safe_sqrt(1 - (1 - cosine * cosine) / sqr(index_of(m))) : cosine, index_of(m));
+  const float outer_cosine = inside ? safe_sqrt(1 - (1 - cosine * cosine) / sqr(material.ior)) : cosine;
+  const float reflectance = fresnel_dielectric(outer_cosine, material.ior);
   // As the BSDF has it: KHR_materials_specular weighs what is reflected on the outside.
   const glm::vec3 tint = inside ? glm::vec3(1) : specular_at(textures, m, point) * specular_color_at(textures, m, point);
   const glm::vec3 reflected = glm::min(reflectance * tint, glm::vec3(1));

@@ -23,6 +23,7 @@ struct ShadingMaterial {
   bool smooth = false;      // glass that does not blur
   bool normal_mapped = false;
   bool textured = false;          // by more than the base colour
+  float ior = 1.5f;               // index of refraction, finite and >= 1 also where the file's 0 stands for infinity
   SurfaceParameters parameters;   // where nothing is textured, for a white base
   glm::vec3 absorption{0};  // per metre, inside of a solid (Beer-Lambert)
   std::shared_ptr<const GlassAlbedo> glass_albedo;

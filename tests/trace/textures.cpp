@@ -3,6 +3,8 @@
 // Materials at a point: textures where files go to extremes, and what rays in a straight line meet.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "host/trace/fresnel.h"
 #include "host/trace/shading_material.h"
 #include "host/trace/texture.h"
@@ -121,6 +123,18 @@ TEST(StraightLight, ShadowOfAPaneKnowsItsSpecularTextures) {
     add_object(scene, make_quad({-0.2f, 1, 0.2f}, {0.4f, 0, 0}, {0, 0, -0.4f}), add_material(scene, pane), "pane");
     EXPECT_ESTIMATE(Laboratory(scene).look({0, 0.5f, 1}, {0, -0.5f, -1}, 32, 256).diffuse, 0.6 / trace::kPi * 5 / 4, 1e-4);
   }
+}
+
+// glTF writes infinity as an index of 0: light in such glass must be scaled by no division by it.
+TEST(Glass, AnIndexOfZeroIsALargeOneForAllThatAsk) {
+  Scene scene;
+  for (const float ior : {0.0f, 1.0f, 1.7f}) scene.materials.push_back(clear_glass(ior, 0.3f, 1));
+  const std::vector<trace::ShadingMaterial> prepared = trace::prepare_materials(scene);
+  EXPECT_GE(prepared[0].ior, 1000);
+  EXPECT_TRUE(std::isfinite(prepared[0].ior));
+  EXPECT_EQ(prepared[1].ior, 1);
+  EXPECT_EQ(prepared[2].ior, 1.7f);
+  for (const trace::ShadingMaterial& m : prepared) EXPECT_EQ(m.ior, m.parameters.ior);
 }
 
 // A thin pane has no inside: light passes it from either side alike, at grazing angles too.
