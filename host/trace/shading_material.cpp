@@ -10,7 +10,6 @@ using Albedos = std::map<float, std::shared_ptr<const GlassAlbedo>>;
 
 // glTF: an ior of 0 stands for infinity.
 float index_of(const Material& m) { return m.ior == 0 ? 1e4f : std::max(m.ior, 1.0f); }
-float dielectric_f0(float ior) { return sqr((ior - 1) / (ior + 1)); }
 
 glm::vec3 absorption_of(const Material& m) {
   if (m.attenuation_distance <= 0 || !std::isfinite(m.attenuation_distance)) return glm::vec3(0);
@@ -37,12 +36,13 @@ SurfaceParameters parameters_of(const ShadingMaterial& material, const Propertie
   SurfaceParameters p;
   p.alpha = sqr(q.metallic_roughness.y);
   p.ior = material.ior;
-  p.dielectric_f0 = q.specular * glm::min(dielectric_f0(material.ior) * q.specular_color, glm::vec3(1));
+  p.dielectric_f0 = q.specular * glm::min(normal_reflectance(material.ior) * q.specular_color, glm::vec3(1));
   p.dielectric_f90 = glm::vec3(q.specular);
   p.dielectric = (1 - metallic) * (1 - q.transmission);
   p.metal = metallic;
   p.glass = (1 - metallic) * q.transmission;
-  p.glass_reflectance = q.specular * q.specular_color;
+  p.glass_specular = q.specular;
+  p.glass_color = q.specular_color;
   p.thin = !material.solid;
   p.glass_albedo = material.glass_albedo.get();
   p.coat = q.coat;
@@ -178,8 +178,9 @@ glm::vec3 straight_transmittance(const Textures& textures, const ShadingMaterial
   const float outer_cosine = inside ? safe_sqrt(1 - (1 - cosine * cosine) / sqr(material.ior)) : cosine;
   const float reflectance = fresnel_dielectric(outer_cosine, material.ior);
   // As the BSDF has it: KHR_materials_specular weighs what is reflected on the outside.
-  const glm::vec3 tint = inside ? glm::vec3(1) : specular_at(textures, m, point) * specular_color_at(textures, m, point);
-  const glm::vec3 reflected = glm::min(reflectance * tint, glm::vec3(1));
+  const glm::vec3 reflected = inside ? glm::vec3(reflectance)
+                                     : glass_reflectance(reflectance, normal_reflectance(material.ior),
+                                                         specular_at(textures, m, point), specular_color_at(textures, m, point));
   return share * (1.0f - reflected) * base_color;
 }
 

@@ -3,6 +3,7 @@
 // Light whose value a formula gives.
 #include <gtest/gtest.h>
 
+#include "host/trace/fresnel.h"
 #include "tests/trace/measure.h"
 #include "tests/trace/scenes.h"
 
@@ -102,6 +103,35 @@ TEST(ClosedForm, MirrorShowsExactlyItsTintOfWhatItReflects) {
   EXPECT_FLOAT_EQ(static_cast<float>(seen.specular.mean), 1.0f);  // Schlick at normal incidence is the colour itself
   EXPECT_EQ(seen.specular.error, 0);
   EXPECT_EQ(seen.diffuse.mean, 0);
+}
+
+// KHR_materials_specular: the colour is that of reflections at normal incidence; towards grazing angles glass reflects all
+// colours alike, and what it does not reflect goes through.
+TEST(ClosedForm, GlassOfAnySpecularColourIsAMirrorAtGrazingAngles) {
+  for (const float specular : {1.0f, 0.5f})
+    for (const float color : {0.0f, 0.5f, 1.0f, 40.0f})
+      for (const float degrees : {0.0f, 60.0f, 85.0f}) {
+        SCOPED_TRACE(testing::Message() << "specular " << specular << ", colour " << color << ", " << degrees << " degrees");
+        const float a = glm::radians(degrees), f0 = 0.04f, base = std::min(f0 * color, 1.0f);
+        const float edge = (trace::fresnel_dielectric(std::cos(a), 1.5f) - f0) / (1 - f0);
+        const double reflected = specular * (base + (1 - base) * edge);
+        Material pane = clear_glass(1.5f, 0, 0);
+        pane.specular = specular;
+        pane.specular_color = glm::vec3(color);
+        for (const float side : {1.0f, -1.0f}) {  // the light is before the pane, or behind it
+          Scene scene = scene_with_camera({0, 0, 5}, {0, 0, 0}, 0.5f);
+          add_object(scene, make_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), add_material(scene, pane), "pane");
+          const int light = add_material(scene, lamp(glm::vec3(1)));
+          add_object(scene, make_quad({side * 999, -999, side * 20}, {side * -1998, 0, 0}, {0, 1998, 0}), light, "light");
+          const glm::vec3 from(std::sin(a), 0, std::cos(a));
+          EXPECT_ESTIMATE(Laboratory(scene).look(from, -from, 16, 256).sum, side > 0 ? reflected : 1 - reflected, 1e-4);
+        }
+        Scene scene;
+        scene.materials.push_back(pane);
+        const glm::vec3 straight = trace::straight_transmittance(trace::Textures(scene), trace::prepare_materials(scene)[0], {},
+                                                                 glm::vec3(1), std::cos(a), false);
+        EXPECT_NEAR(straight.r, 1 - reflected, 1e-5) << "in shadows";
+      }
 }
 
 // Beer-Lambert and both Fresnel interfaces with all inner reflections, at normal incidence.
