@@ -80,7 +80,7 @@ void Bsdf::prepare_coat(const glm::vec3& normal, float& albedo_estimate) {
   coat_ = Basis(visible_normal(normal, geometric_, wo_));
   coat_wo_ = coat_.to_local(wo_);
   coat_wo_.z = std::max(coat_wo_.z, kMinCosine);
-  albedo_estimate = coat_reflectance(coat_wo_.z);
+  albedo_estimate = coat_albedo(coat_wo_.z);
   base_share_ = 1 - albedo_estimate;
 }
 
@@ -88,7 +88,7 @@ void Bsdf::prepare_diffuse(const ReflectionAlbedo& albedo) {
   if (is_black(p_.diffuse)) return;
   if (p_.coat > 0) {
     const ReflectionAlbedo mean = mean_reflection_albedo(std::sqrt(p_.coat_alpha));
-    const float kept_in_the_mean = 1 - p_.coat * (kCoatF0 * (mean.white - mean.edge) + mean.edge);
+    const float kept_in_the_mean = 1 - p_.coat * coat_reflectance(mean);
     p_.diffuse *= kept_in_the_mean;
     view_factor_ *= base_share_ / kept_in_the_mean;
   }
@@ -142,9 +142,8 @@ bool Bsdf::glass_is_delta() const {
   return p_.alpha < kDeltaAlpha || std::fabs(p_.ior - 1) < 1e-3f;
 }
 
-float Bsdf::coat_reflectance(float cosine) const {
-  const ReflectionAlbedo albedo = reflection_albedo(cosine, std::sqrt(p_.coat_alpha));
-  return p_.coat * (kCoatF0 * (albedo.white - albedo.edge) + albedo.edge);
+float Bsdf::coat_albedo(float cosine) const {
+  return p_.coat * coat_reflectance(reflection_albedo(cosine, std::sqrt(p_.coat_alpha)));
 }
 
 glm::vec3 Bsdf::glass_reflected(float fresnel) const {
@@ -271,7 +270,7 @@ bool Bsdf::sample_specular(float lobe, const glm::vec2& u, BsdfSample& sample, f
   }
   if (p_.coat_alpha < kDeltaAlpha) {
     sample.wi = coat_.to_world({-coat_wo_.x, -coat_wo_.y, coat_wo_.z});
-    sample.weight = glm::vec3(coat_reflectance(coat_wo_.z) / coat_probability_);
+    sample.weight = glm::vec3(coat_albedo(coat_wo_.z) / coat_probability_);
     sample.delta = true;
     return same_side(sample.wi);
   }

@@ -95,7 +95,7 @@ class Bsdf {
   void add_specular(const glm::vec3& wi, BsdfValue& value) const;
   void add_coat(const glm::vec3& wi, BsdfValue& value) const;
   void add_glass(const glm::vec3& wi, BsdfValue& value) const;
-  float coat_reflectance(float cosine) const;
+  float coat_albedo(float cosine) const;
   void add_glass_multiple(const glm::vec3& local, BsdfValue& value) const;
   glm::vec3 glass_reflected(float fresnel) const;
   void glass_split(float reflectance, glm::vec3& reflected, glm::vec3& transmitted, float& reflect_probability) const;

@@ -56,6 +56,7 @@ void prepare_optics(const Material& m, Albedos& albedos, ShadingMaterial& s) {
   s.solid = s.transmits && m.thickness > 0;
   s.cut = m.alpha_mode != AlphaMode::kOpaque;
   s.emits = !m.unlit && max_component(m.emissive) > 0;
+  s.coated = !m.unlit && m.clearcoat > 0;
   s.culled = !m.double_sided && !s.transmits;
   s.plain = !s.transmits && !s.cut && !s.culled;
   s.smooth = sqr(m.roughness) < kDeltaAlpha;
@@ -105,14 +106,22 @@ glm::vec3 specular_color_at(const Textures& textures, const Material& m, const S
   return m.specular_color * glm::vec3(textures.srgb(m.specular_color_texture, point));
 }
 
+float coat_at(const Textures& textures, const Material& m, const TexturePoint& point) {
+  return m.clearcoat * (m.clearcoat_texture ? textures.linear(m.clearcoat_texture, point).r : 1.0f);
+}
+
+float coat_roughness_at(const Textures& textures, const Material& m, const TexturePoint& point) {
+  return m.clearcoat_roughness * (m.clearcoat_roughness_texture ? textures.linear(m.clearcoat_roughness_texture, point).g : 1.0f);
+}
+
 Properties properties_at(const Textures& textures, const Material& m, const SurfacePoint& point) {
   Properties q = factors_of(m);
   q.metallic_roughness = metallic_roughness_at(textures, m, point);
   q.transmission = transmission_at(textures, m, point);
   q.specular = specular_at(textures, m, point);
   q.specular_color = specular_color_at(textures, m, point);
-  if (m.clearcoat_texture) q.coat *= textures.linear(m.clearcoat_texture, point).r;
-  if (m.clearcoat_roughness_texture) q.coat_roughness *= textures.linear(m.clearcoat_roughness_texture, point).g;
+  q.coat = coat_at(textures, m, point);
+  q.coat_roughness = coat_roughness_at(textures, m, point);
   return q;
 }
 
@@ -156,6 +165,15 @@ glm::vec3 emission_at(const Textures& textures, const ShadingMaterial& material,
 glm::vec3 covered_emission_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point) {
   const glm::vec3 emission = emission_at(textures, material, point);
   return material.cut ? emission * alpha_at(material, base_color_at(textures, material, point)) : emission;
+}
+
+CoatShare coat_share_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point, float cosine) {
+  if (!material.coated) return {};
+  const Material& m = *material.source;
+  const float coat = coat_at(textures, m, sharp(point));
+  const float roughness = std::clamp(coat_roughness_at(textures, m, sharp(point)), 0.0f, 1.0f);
+  return {1 - coat * coat_reflectance(reflection_albedo(cosine, roughness)),
+          1 - coat * coat_reflectance(mean_reflection_albedo(roughness))};
 }
 
 SurfaceParameters parameters_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point,

@@ -242,7 +242,9 @@ Surface World::surface_at(const Ray& ray, const Hit& hit) const {
   s.position = interpolate(a.position, b.position, c.position);
   s.margin = triangle.margin;
   s.geometric = is_black(triangle.normal) ? -ray.direction : triangle.normal;
-  s.back = glm::dot(s.geometric, ray.direction) > 0;
+  const float cosine = glm::dot(s.geometric, ray.direction);
+  s.back = cosine > 0;
+  s.cosine = std::fabs(cosine);
   s.emission = posed.emission;
   const glm::vec3 n = interpolate(a.normal, b.normal, c.normal);
   const float n_length = glm::length(n);
@@ -288,10 +290,24 @@ void World::apply_normal_maps(const glm::vec3& shading, const glm::vec3& barycen
   }
 }
 
-glm::vec3 World::emission_of(const Surface& surface) const {
+glm::vec3 World::emission_below_coat(const Surface& surface) const {
   if (!surface.material->emits || surface.emission == 0) return glm::vec3(0);
   if (surface.back && !surface.material->source->double_sided) return glm::vec3(0);
   return surface.emission * emission_at(textures_, *surface.material, surface.point);
+}
+
+// Of the geometric normal, as lights that are sampled know no other.
+glm::vec3 World::emission_of(const Surface& surface) const {
+  const glm::vec3 emission = emission_below_coat(surface);
+  if (!surface.material->coated || is_black(emission)) return emission;
+  return emission * coat_share_at(textures_, *surface.material, surface.point, surface.cosine).seen;
+}
+
+LayeredEmission World::layered_emission_of(const Surface& surface) const {
+  const glm::vec3 emission = emission_below_coat(surface);
+  if (!surface.material->coated || is_black(emission)) return {emission, glm::vec3(0)};
+  const CoatShare share = coat_share_at(textures_, *surface.material, surface.point, surface.cosine);
+  return {emission * share.mean, emission * (share.seen - share.mean)};
 }
 
 Shadow World::shadow(const Ray& ray, bool through_glass, const glm::vec3& absorption) const {
