@@ -135,10 +135,13 @@ void World::prepare_shading(size_t index, const std::vector<int>& triangle_mater
         (std::max({largest_coordinate(corner(0)), largest_coordinate(corner(1)), largest_coordinate(corner(2))}) + 2 * origin);
     for (size_t set = 0; set < 2; ++set) {
       const auto& uv = g.texcoords[set];
-      triangle.density[set] = 0;
+      triangle.density[set] = glm::vec2(0);
       if (uv.empty() || !(length > 0)) continue;
-      const glm::vec2 u = uv[triangle.corner[1]] - uv[triangle.corner[0]], v = uv[triangle.corner[2]] - uv[triangle.corner[0]];
-      triangle.density[set] = std::fabs(u.x * v.y - u.y * v.x) / length;
+      const glm::vec2 a = uv[triangle.corner[1]] - uv[triangle.corner[0]], b = uv[triangle.corner[2]] - uv[triangle.corner[0]];
+      const glm::vec3 edge1 = corner(1) - corner(0), edge2 = corner(2) - corner(0);
+      // The gradient of a linear function with differences a and b along the edges, turned by a right angle.
+      const auto slope = [&](float along1, float along2) { return glm::length(along1 * edge2 - along2 * edge1) / length; };
+      triangle.density[set] = {sqr(slope(a.x, b.x)), sqr(slope(a.y, b.y))};
     }
   });
 }
@@ -252,7 +255,7 @@ Surface World::surface_at(const Ray& ray, const Hit& hit) const {
   if (glm::dot(s.shading, s.geometric) < 0) s.shading = -s.shading;
   s.coat = s.shading;
 
-  // The cone's area in texture coordinates.
+  // What the cone covers in texture coordinates.
   s.point.blurred = ray.spread > kBlurred;
   const float covered = sqr(ray.width_at(hit.distance));
   s.point.uv[0] = interpolate(a.uv, b.uv, c.uv);

@@ -65,7 +65,7 @@ struct alignas(16) ShadingTriangle {
   int32_t material;            // index into World::materials()
   glm::vec3 normal;            // unit, on the front; 0 where the triangle has no area
   float margin;                // how far from it a ray may start without meeting it again
-  std::array<float, 2> density;  // area in texture coordinates per area in the world, of both sets
+  std::array<glm::vec2, 2> density;  // squares of how fast u and v change with the way in the world, of both sets
 };
 
 // Emission in the picture's layers: the part that is the same from everywhere, as the mean over all views, and what a coat makes
