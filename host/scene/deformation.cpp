@@ -46,9 +46,11 @@ void skin(const MeshPrimitive& primitive, const std::vector<glm::mat4>& world_fr
     const glm::mat4 m = skin_matrix(&primitive.influences[count * i], count, world_from_bind);
     g.positions[i] = glm::vec3(m * glm::vec4(g.positions[i], 1));
     const glm::mat3 linear(m);
-    if (!g.normals.empty() && std::abs(glm::determinant(linear)) > 1e-20f)
-      g.normals[i] = glm::inverseTranspose(linear) * g.normals[i];
-    if (!g.tangents.empty()) g.tangents[i] = glm::vec4(linear * glm::vec3(g.tangents[i]), g.tangents[i].w);
+    const float determinant = glm::determinant(linear);
+    if (!g.normals.empty() && std::abs(determinant) > 1e-20f) g.normals[i] = glm::inverseTranspose(linear) * g.normals[i];
+    if (g.tangents.empty()) continue;
+    const float handedness = determinant < 0 ? -g.tangents[i].w : g.tangents[i].w;  // a mirror turns the bitangent, too
+    g.tangents[i] = glm::vec4(linear * glm::vec3(g.tangents[i]), handedness);
   }
 }
 

@@ -157,6 +157,9 @@ class GltfReader {
     if (skin >= 0) {
       instance.skin = read_skin(document_, nodes_, skin);
       object.node = identity_node();
+      // What the node's transform is left to say (glTF 2.0, section 3.7.4): on which side triangles have their fronts.
+      const auto node = static_cast<size_t>(nodes_.order[static_cast<size_t>(rig)]);
+      instance.mirrored = glm::determinant(glm::mat3(nodes_.world_at_rest[node])) < 0;
     }
     const std::vector<SkinJoint>& joints = instance.skin.joints;
     instance.joints_are_moved = std::any_of(joints.begin(), joints.end(), [&](const SkinJoint& joint) {

@@ -53,6 +53,10 @@ std::vector<uint32_t> corners_of_mode(int64_t mode, uint32_t n) {
   return corners;
 }
 
+void turn_over(std::vector<uint32_t>& corners) {
+  for (size_t t = 0; t + 2 < corners.size(); t += 3) std::swap(corners[t + 1], corners[t + 2]);
+}
+
 // Renumbers `corners` so that vertices are numbered as they first appear; returns the old number of each.
 std::vector<uint32_t> compact(std::vector<uint32_t>& corners) {
   std::vector<uint32_t> used = corners;
@@ -248,6 +252,7 @@ std::optional<MeshPrimitive> GltfMeshes::read_vertices(const JsonView& place, co
   primitive.parts = parts_of_mode(mode);
   primitive.vertices.indices = read_corners(place, vertices, mode);
   if (primitive.vertices.indices.empty()) return std::nullopt;
+  if (instance.mirrored && mode >= kTriangles) turn_over(primitive.vertices.indices);
   const std::vector<uint32_t> used = compact(primitive.vertices.indices);
   charge(used.size(), 0, place);
   gather_attributes(document_, attributes, vertices, used, primitive.vertices);

@@ -25,6 +25,7 @@ struct MeshInstance {
   int mesh = 0;
   std::vector<float> weights;       // of the node; empty: those of the mesh
   GltfSkin skin;                    // without joints: not skinned
+  bool mirrored = false;            // skinned, below transforms that mirror: triangles have their fronts on the other side
   bool weights_are_driven = false;  // by an axis
   bool joints_are_moved = false;    // by an axis
 };

@@ -48,6 +48,8 @@ struct ReflectionAlbedo {
 ReflectionAlbedo reflection_albedo(float cosine, float roughness);
 // Its mean over the hemisphere, weighted by the cosine.
 ReflectionAlbedo mean_reflection_albedo(float roughness);
+// What a coat of glTF (index 1.5) reflects, by its albedo for Fresnel 1.
+inline float coat_reflectance(const ReflectionAlbedo& albedo) { return 0.04f * (albedo.white - albedo.edge) + albedo.edge; }
 // Of the light that single scattering misses, the share that comes out in the end (Kulla & Conty, p. 16), for Schlick's Fresnel.
 glm::vec3 multiple_scattering(const glm::vec3& f0, const glm::vec3& f90, float mean_white);
 

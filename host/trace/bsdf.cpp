@@ -10,6 +10,9 @@ namespace {
 constexpr float kCoatF0 = 0.04f;  // index 1.5
 constexpr float kMinCosine = 1e-4f;
 
+// The mean over the hemisphere of a dielectric's reflectance, by Schlick's approximation.
+float mean_reflectance(float f0) { return f0 + (1 - f0) / 21; }
+
 glm::vec3 mirror(const glm::vec3& w, const glm::vec3& h) { return 2 * glm::dot(w, h) * h - w; }
 
 // The shading normal, on wo's side and bent just far enough that wo sees its front and its mirror image does not lie behind the
@@ -59,6 +62,7 @@ Bsdf::Bsdf(const SurfaceParameters& parameters, const glm::vec3& wo, const glm::
   const bool reflects = p_.glass > 0 || !is_black(specular_f90_) || !is_black(specular_f0_);
   const ReflectionAlbedo albedo = reflects ? reflection_albedo(local_wo_.z, roughness_) : ReflectionAlbedo{0, 0};
   prepare_diffuse(albedo);
+  if (p_.glass > 0) glass_f0_ = normal_reflectance(p_.ior);
   if (p_.glass > 0 && !glass_is_delta()) prepare_glass(albedo);
   const float specular = base_share_ * prepare_specular(albedo);
   const float glass = base_share_ * p_.glass;
@@ -76,7 +80,7 @@ void Bsdf::prepare_coat(const glm::vec3& normal, float& albedo_estimate) {
   coat_ = Basis(visible_normal(normal, geometric_, wo_));
   coat_wo_ = coat_.to_local(wo_);
   coat_wo_.z = std::max(coat_wo_.z, kMinCosine);
-  albedo_estimate = coat_reflectance(coat_wo_.z);
+  albedo_estimate = coat_albedo(coat_wo_.z);
   base_share_ = 1 - albedo_estimate;
 }
 
@@ -84,7 +88,7 @@ void Bsdf::prepare_diffuse(const ReflectionAlbedo& albedo) {
   if (is_black(p_.diffuse)) return;
   if (p_.coat > 0) {
     const ReflectionAlbedo mean = mean_reflection_albedo(std::sqrt(p_.coat_alpha));
-    const float kept_in_the_mean = 1 - p_.coat * (kCoatF0 * (mean.white - mean.edge) + mean.edge);
+    const float kept_in_the_mean = 1 - p_.coat * coat_reflectance(mean);
     p_.diffuse *= kept_in_the_mean;
     view_factor_ *= base_share_ / kept_in_the_mean;
   }
@@ -110,16 +114,27 @@ float Bsdf::prepare_specular(const ReflectionAlbedo& albedo) {
 
 void Bsdf::prepare_glass(const ReflectionAlbedo& albedo) {
   if (p_.thin) {  // air on both sides: what one interface reflects and lets through, in the mean
-    glass_missed_ = 1 - albedo.white;
-    glass_here_ = glass_there_ = std::max(1 - mean_reflection_albedo(roughness_).white, 1e-6f);
-    glass_crossing_ = 1 - (sqr((p_.ior - 1) / (p_.ior + 1)) * 20 + 1) / 21;
+    const float mean = 1 - mean_reflection_albedo(roughness_).white;
+    prepare_glass_multiple(1 - albedo.white, 1 - mean_reflectance(glass_f0_), mean, mean);
   } else if (p_.glass_albedo) {
-    glass_missed_ = 1 - p_.glass_albedo->lookup(local_wo_.z, roughness_, inside_);
-    glass_here_ = p_.glass_albedo->mean_missing(roughness_, inside_);
-    glass_there_ = p_.glass_albedo->mean_missing(roughness_, !inside_);
-    glass_crossing_ = p_.glass_albedo->crossing(roughness_, inside_);
+    prepare_glass_multiple(1 - p_.glass_albedo->lookup(local_wo_.z, roughness_, inside_),
+                           p_.glass_albedo->crossing(roughness_, inside_), p_.glass_albedo->mean_missing(roughness_, inside_),
+                           p_.glass_albedo->mean_missing(roughness_, !inside_));
   }
-  glass_missed_ = std::max(glass_missed_, 0.0f);
+}
+
+// Kulla & Conty 2017, p. 20: missed(wo) missed(wi) over the mean of the side that wi is on, in the shares of reflection and
+// crossing; in radiance, as add_glass. `crossing` is before factor and colour.
+void Bsdf::prepare_glass_multiple(float missed, float crossing, float mean_here, float mean_there) {
+  const float mean = mean_reflectance(glass_f0_);
+  const glm::vec3 returning = glm::min(glass_reflected(mean) * ((1 - crossing) / mean), glm::vec3(1));
+  // Of a solid's reflections a factor or colour takes more than it gives to what crosses: the table does not know of either.
+  const glm::vec3 passing = p_.thin ? 1.0f - returning : glm::min(1.0f - returning, glm::vec3(crossing));
+  glass_missed_ = std::max(missed, 0.0f);
+  glass_crossing_ = crossing;
+  glass_returned_ = returning * (glass_missed_ * kInvPi / std::max(mean_here, 1e-6f));
+  glass_crossed_ = passing * p_.glass_tint * (glass_missed_ * kInvPi / std::max(mean_there, 1e-6f));
+  if (solid_) glass_crossed_ /= eta_ * eta_;
 }
 
 bool Bsdf::glass_is_delta() const {
@@ -127,13 +142,16 @@ bool Bsdf::glass_is_delta() const {
   return p_.alpha < kDeltaAlpha || std::fabs(p_.ior - 1) < 1e-3f;
 }
 
-float Bsdf::coat_reflectance(float cosine) const {
-  const ReflectionAlbedo albedo = reflection_albedo(cosine, std::sqrt(p_.coat_alpha));
-  return p_.coat * (kCoatF0 * (albedo.white - albedo.edge) + albedo.edge);
+float Bsdf::coat_albedo(float cosine) const {
+  return p_.coat * coat_reflectance(reflection_albedo(cosine, std::sqrt(p_.coat_alpha)));
+}
+
+glm::vec3 Bsdf::glass_reflected(float fresnel) const {
+  return inside_ ? glm::vec3(fresnel) : glass_reflectance(fresnel, glass_f0_, p_.glass_specular, p_.glass_color);
 }
 
 void Bsdf::glass_split(float reflectance, glm::vec3& reflected, glm::vec3& transmitted, float& reflect_probability) const {
-  reflected = inside_ ? glm::vec3(reflectance) : glm::min(reflectance * p_.glass_reflectance, glm::vec3(1));
+  reflected = glass_reflected(reflectance);
   transmitted = reflectance >= 1 ? glm::vec3(0) : (1.0f - reflected) * p_.glass_tint;
   const float r = luminance(reflected), t = luminance(transmitted);
   reflect_probability = r + t > 0 ? r / (r + t) : 1;
@@ -215,18 +233,13 @@ void Bsdf::add_glass(const glm::vec3& wi, BsdfValue& value) const {
   value.specular_pdf += glass_probability_ * (1 - glass_missed_) * (1 - reflect_probability) * d / (1 + lambda_o);
 }
 
-// Kulla & Conty 2017, p. 20: missed(wo) missed(wi) over the mean of the side that wi is on, in the shares of reflection and
-// crossing; in radiance, as above.
 void Bsdf::add_glass_multiple(const glm::vec3& local, BsdfValue& value) const {
   const bool reflection = local.z > 0;
   const float cosine = std::fabs(local.z);
   const bool arrives_inside = solid_ && inside_ == reflection;
   const float missed = p_.thin ? 1 - reflection_albedo(cosine, roughness_).white
                                : 1 - p_.glass_albedo->lookup(cosine, roughness_, arrives_inside);
-  const float share = reflection ? (1 - glass_crossing_) / glass_here_
-                                 : glass_crossing_ / glass_there_ / (p_.thin ? 1.0f : eta_ * eta_);
-  const glm::vec3 tint = !reflection ? p_.glass_tint : inside_ ? glm::vec3(1) : glm::min(p_.glass_reflectance, glm::vec3(1));
-  value.specular += tint * (p_.glass * base_share_ * share * glass_missed_ * std::max(missed, 0.0f) * cosine * kInvPi);
+  value.specular += (reflection ? glass_returned_ : glass_crossed_) * (p_.glass * base_share_ * std::max(missed, 0.0f) * cosine);
   value.specular_pdf += glass_probability_ * glass_missed_ * (reflection ? 1 - glass_crossing_ : glass_crossing_) * cosine * kInvPi;
 }
 
@@ -257,7 +270,7 @@ bool Bsdf::sample_specular(float lobe, const glm::vec2& u, BsdfSample& sample, f
   }
   if (p_.coat_alpha < kDeltaAlpha) {
     sample.wi = coat_.to_world({-coat_wo_.x, -coat_wo_.y, coat_wo_.z});
-    sample.weight = glm::vec3(coat_reflectance(coat_wo_.z) / coat_probability_);
+    sample.weight = glm::vec3(coat_albedo(coat_wo_.z) / coat_probability_);
     sample.delta = true;
     return same_side(sample.wi);
   }

@@ -34,7 +34,8 @@ struct SurfaceParameters {
   float glass = 0;                                // share that transmits; with the two above at most 1
   float alpha = 1;                                // GGX width of specular and glass
   glm::vec3 glass_tint{1};                        // of transmitted light, per interface
-  glm::vec3 glass_reflectance{1};                 // scales outside reflections of glass
+  float glass_specular = 1;                       // scales outside reflections of glass
+  glm::vec3 glass_color{1};                       // scales them at normal incidence
   float ior = 1.5f;                               // >= 1
   bool thin = true;
   const GlassAlbedo* glass_albedo = nullptr;  // of this index; without it rough solid glass loses light
@@ -95,13 +96,15 @@ class Bsdf {
   void add_specular(const glm::vec3& wi, BsdfValue& value) const;
   void add_coat(const glm::vec3& wi, BsdfValue& value) const;
   void add_glass(const glm::vec3& wi, BsdfValue& value) const;
-  float coat_reflectance(float cosine) const;
+  float coat_albedo(float cosine) const;
   void add_glass_multiple(const glm::vec3& local, BsdfValue& value) const;
+  glm::vec3 glass_reflected(float fresnel) const;
   void glass_split(float reflectance, glm::vec3& reflected, glm::vec3& transmitted, float& reflect_probability) const;
   float prepare_specular(const ReflectionAlbedo& albedo);
   void prepare_diffuse(const ReflectionAlbedo& albedo);
   void prepare_coat(const glm::vec3& normal, float& albedo_estimate);
   void prepare_glass(const ReflectionAlbedo& albedo);
+  void prepare_glass_multiple(float missed, float crossing, float mean_here, float mean_there);
   bool sample_delta_glass(float lobe, float least_chance, BsdfSample& sample) const;
   bool sample_rough_glass(float lobe, const glm::vec2& u, BsdfSample& sample) const;
 
@@ -115,9 +118,10 @@ class Bsdf {
   glm::vec3 view_factor_{1};
   glm::vec3 multiple_{0};      // of the specular lobe: value of multiple scattering / (cos * (1 - albedo of wi))
   float multiple_chance_ = 0;  // of drawing from it, within the lobe
+  float glass_f0_ = 0;         // reflectance at normal incidence, before factor and colour
   float glass_missed_ = 0;     // by single scattering of glass, seen from wo
   float glass_crossing_ = 0;   // share of that which crosses
-  float glass_here_ = 1, glass_there_ = 1;  // means of what is missed, on this side and the far one
+  glm::vec3 glass_returned_{0}, glass_crossed_{0};  // its value on this side and the far one / (cos * what is missed from wi)
   float base_share_ = 1;  // what the coat lets through to what is below, seen from wo
   float diffuse_weight_ = 0, specular_weight_ = 0;
   float specular_probability_ = 0, glass_probability_ = 0, coat_probability_ = 0;  // among specular lobes

@@ -88,6 +88,7 @@ void Lights::add_emitters(const World& world, std::vector<LightBounds>& bounds) 
       const float length = glm::length(cross);
       const float area = 0.5f * length;
       e.textured = material.source->emissive_texture || material.cut;
+      e.coated = material.coated;
       e.double_sided = material.source->double_sided;
       const float mean = e.textured ? mean_emission(posed, material, static_cast<int>(t)) : luminance(material.source->emissive);
       const float intensity = posed.emission * mean * area;
@@ -217,10 +218,14 @@ bool Lights::sample_emitter(const Emitter& e, const glm::vec3& from, const glm::
   if (seen <= 0 && !e.double_sided) return false;
   sample.pdf = distance2 / std::max(std::fabs(seen), 1e-20f);
   sample.radiance = radiances_[static_cast<size_t>(e.radiance)];
-  if (e.textured) {
-    const PosedObject& posed = world_->objects()[static_cast<size_t>(e.object)];
-    sample.radiance = posed.emission * covered_emission_at(*posed.textures, posed.material(static_cast<size_t>(e.triangle)),
-                                                           posed.point_at(e.triangle, b.x, b.y));
+  if (!e.textured && !e.coated) return true;
+  const PosedObject& posed = world_->objects()[static_cast<size_t>(e.object)];
+  const ShadingMaterial& material = posed.material(static_cast<size_t>(e.triangle));
+  const SurfacePoint point = posed.point_at(e.triangle, b.x, b.y);
+  if (e.textured) sample.radiance = posed.emission * covered_emission_at(*posed.textures, material, point);
+  if (e.coated) {
+    const float cosine = std::fabs(glm::dot(sample.wi, e.front)) / glm::length(e.front);
+    sample.radiance *= coat_share_at(*posed.textures, material, point, cosine).seen;
   }
   return true;
 }

@@ -62,7 +62,7 @@ class Lights {
     glm::vec3 front;   // the normal, as long as twice the area
     int32_t radiance;  // index into radiances_: without texture
     int32_t object, triangle;
-    bool double_sided, textured;
+    bool double_sided, textured, coated;
   };
   struct Punctual {
     LightKind kind;

@@ -10,7 +10,6 @@ using Albedos = std::map<float, std::shared_ptr<const GlassAlbedo>>;
 
 // glTF: an ior of 0 stands for infinity.
 float index_of(const Material& m) { return m.ior == 0 ? 1e4f : std::max(m.ior, 1.0f); }
-float dielectric_f0(const Material& m) { return sqr((index_of(m) - 1) / (index_of(m) + 1)); }
 
 glm::vec3 absorption_of(const Material& m) {
   if (m.attenuation_distance <= 0 || !std::isfinite(m.attenuation_distance)) return glm::vec3(0);
@@ -33,17 +32,17 @@ Properties factors_of(const Material& m) {
 
 // For a white base.
 SurfaceParameters parameters_of(const ShadingMaterial& material, const Properties& q) {
-  const Material& m = *material.source;
   const float metallic = q.metallic_roughness.x;
   SurfaceParameters p;
   p.alpha = sqr(q.metallic_roughness.y);
-  p.ior = index_of(m);
-  p.dielectric_f0 = q.specular * glm::min(dielectric_f0(m) * q.specular_color, glm::vec3(1));
+  p.ior = material.ior;
+  p.dielectric_f0 = q.specular * glm::min(normal_reflectance(material.ior) * q.specular_color, glm::vec3(1));
   p.dielectric_f90 = glm::vec3(q.specular);
   p.dielectric = (1 - metallic) * (1 - q.transmission);
   p.metal = metallic;
   p.glass = (1 - metallic) * q.transmission;
-  p.glass_reflectance = q.specular * q.specular_color;
+  p.glass_specular = q.specular;
+  p.glass_color = q.specular_color;
   p.thin = !material.solid;
   p.glass_albedo = material.glass_albedo.get();
   p.coat = q.coat;
@@ -57,6 +56,7 @@ void prepare_optics(const Material& m, Albedos& albedos, ShadingMaterial& s) {
   s.solid = s.transmits && m.thickness > 0;
   s.cut = m.alpha_mode != AlphaMode::kOpaque;
   s.emits = !m.unlit && max_component(m.emissive) > 0;
+  s.coated = !m.unlit && m.clearcoat > 0;
   s.culled = !m.double_sided && !s.transmits;
   s.plain = !s.transmits && !s.cut && !s.culled;
   s.smooth = sqr(m.roughness) < kDeltaAlpha;
@@ -64,14 +64,15 @@ void prepare_optics(const Material& m, Albedos& albedos, ShadingMaterial& s) {
   if (!s.solid) return;
   s.absorption = absorption_of(m);
   if (s.smooth) return;
-  auto& albedo = albedos[m.ior];
-  if (!albedo) albedo = std::make_shared<const GlassAlbedo>(index_of(m));
+  auto& albedo = albedos[s.ior];
+  if (!albedo) albedo = std::make_shared<const GlassAlbedo>(s.ior);
   s.glass_albedo = albedo;
 }
 
 ShadingMaterial prepare(const Material& m, Albedos& albedos) {
   ShadingMaterial s;
   s.source = &m;
+  s.ior = index_of(m);
   prepare_optics(m, albedos, s);
   s.textured = m.metallic_roughness_texture || m.transmission_texture || m.specular_texture || m.specular_color_texture ||
                m.clearcoat_texture || m.clearcoat_roughness_texture;
@@ -105,14 +106,22 @@ glm::vec3 specular_color_at(const Textures& textures, const Material& m, const S
   return m.specular_color * glm::vec3(textures.srgb(m.specular_color_texture, point));
 }
 
+float coat_at(const Textures& textures, const Material& m, const TexturePoint& point) {
+  return m.clearcoat * (m.clearcoat_texture ? textures.linear(m.clearcoat_texture, point).r : 1.0f);
+}
+
+float coat_roughness_at(const Textures& textures, const Material& m, const TexturePoint& point) {
+  return m.clearcoat_roughness * (m.clearcoat_roughness_texture ? textures.linear(m.clearcoat_roughness_texture, point).g : 1.0f);
+}
+
 Properties properties_at(const Textures& textures, const Material& m, const SurfacePoint& point) {
   Properties q = factors_of(m);
   q.metallic_roughness = metallic_roughness_at(textures, m, point);
   q.transmission = transmission_at(textures, m, point);
   q.specular = specular_at(textures, m, point);
   q.specular_color = specular_color_at(textures, m, point);
-  if (m.clearcoat_texture) q.coat *= textures.linear(m.clearcoat_texture, point).r;
-  if (m.clearcoat_roughness_texture) q.coat_roughness *= textures.linear(m.clearcoat_roughness_texture, point).g;
+  q.coat = coat_at(textures, m, point);
+  q.coat_roughness = coat_roughness_at(textures, m, point);
   return q;
 }
 
@@ -158,6 +167,15 @@ glm::vec3 covered_emission_at(const Textures& textures, const ShadingMaterial& m
   return material.cut ? emission * alpha_at(material, base_color_at(textures, material, point)) : emission;
 }
 
+CoatShare coat_share_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point, float cosine) {
+  if (!material.coated) return {};
+  const Material& m = *material.source;
+  const float coat = coat_at(textures, m, sharp(point));
+  const float roughness = std::clamp(coat_roughness_at(textures, m, sharp(point)), 0.0f, 1.0f);
+  return {1 - coat * coat_reflectance(reflection_albedo(cosine, roughness)),
+          1 - coat * coat_reflectance(mean_reflection_albedo(roughness))};
+}
+
 SurfaceParameters parameters_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point,
                                 const glm::vec3& base_color) {
   SurfaceParameters p = material.textured ? parameters_of(material, properties_at(textures, *material.source, point)) : material.parameters;
@@ -175,11 +193,12 @@ glm::vec3 straight_transmittance(const Textures& textures, const ShadingMaterial
   const float share = (1 - metallic) * transmission_at(textures, m, point);
   inside = inside && material.solid;  // a thin wall has no inside: its back is another front
   // Leaving at an angle of total reflection would be black; the straight line stands for the refracted path, which does leave.
-  const float reflectance =
-      fresnel_dielectric(inside ? safe_sqrt(1 - (1 - cosine * cosine) / sqr(index_of(m))) : cosine, index_of(m));
+  const float outer_cosine = inside ? safe_sqrt(1 - (1 - cosine * cosine) / sqr(material.ior)) : cosine;
+  const float reflectance = fresnel_dielectric(outer_cosine, material.ior);
   // As the BSDF has it: KHR_materials_specular weighs what is reflected on the outside.
-  const glm::vec3 tint = inside ? glm::vec3(1) : specular_at(textures, m, point) * specular_color_at(textures, m, point);
-  const glm::vec3 reflected = glm::min(reflectance * tint, glm::vec3(1));
+  const glm::vec3 reflected = inside ? glm::vec3(reflectance)
+                                     : glass_reflectance(reflectance, normal_reflectance(material.ior),
+                                                         specular_at(textures, m, point), specular_color_at(textures, m, point));
   return share * (1.0f - reflected) * base_color;
 }
 

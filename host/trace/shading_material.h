@@ -18,11 +18,13 @@ struct ShadingMaterial {
   bool solid = false;      // glass with an inside (KHR_materials_volume)
   bool cut = false;        // alpha counts
   bool emits = false;
+  bool coated = false;      // some point of it
   bool culled = false;      // single-sided: rays from behind go on
   bool plain = false;       // every ray that meets it is stopped by it: no filter needed
   bool smooth = false;      // glass that does not blur
   bool normal_mapped = false;
   bool textured = false;          // by more than the base colour
+  float ior = 1.5f;               // index of refraction, finite and >= 1 also where the file's 0 stands for infinity
   SurfaceParameters parameters;   // where nothing is textured, for a white base
   glm::vec3 absorption{0};  // per metre, inside of a solid (Beer-Lambert)
   std::shared_ptr<const GlassAlbedo> glass_albedo;
@@ -44,6 +46,12 @@ float alpha_at(const ShadingMaterial& material, const glm::vec4& base_color);
 glm::vec3 emission_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point);
 // The same for a surface whose alpha stops only a share of the rays: emission times that share.
 glm::vec3 covered_emission_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point);
+// Of light from below the coat, the share that leaves at the point under `cosine` to the normal, and in the mean over the
+// hemisphere; 1 without a coat. As for emission, of the finest level.
+struct CoatShare {
+  float seen = 1, mean = 1;
+};
+CoatShare coat_share_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point, float cosine);
 SurfaceParameters parameters_at(const Textures& textures, const ShadingMaterial& material, const SurfacePoint& point,
                                 const glm::vec3& base_color);
 // What one crossing of the surface lets through in a straight line, seen under `cosine`; alpha not counted.

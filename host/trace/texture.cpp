@@ -74,6 +74,22 @@ void average(const uint8_t* rgba, int stride, int x0, int x1, int y0, int y1, co
   }
 }
 
+// The level whose texels are as large as the footprint is narrow, in a picture of `size` texels: a texture that repeats often one
+// way is as sharp the other way. u and v are taken to be at right angles in the world, as they mostly are.
+size_t level_of(const glm::vec2& footprint, const glm::mat3& transform, const glm::vec2& size) {
+  const glm::vec2 u = glm::vec2(transform[0]) * size, v = glm::vec2(transform[1]) * size;  // texels per unit of the coordinates
+  const glm::vec2 extents = u * u * footprint.x + v * v * footprint.y;
+  float narrow = std::min(extents.x, extents.y);
+  if (const float skew = u.x * u.y * footprint.x + v.x * v.y * footprint.y;
+      skew != 0) {  // rotated: the shorter axis of an ellipse
+    const float mean = 0.5f * (extents.x + extents.y), half = 0.5f * (extents.x - extents.y);
+    narrow = std::max(0.0f, mean - std::sqrt(half * half + skew * skew));
+  }
+  // Half the binary logarithm, rounded down, is half the exponent.
+  const int level = (static_cast<int>(std::bit_cast<uint32_t>(narrow) >> 23) - 127) >> 1;
+  return static_cast<size_t>(std::max(level, 0));
+}
+
 struct Used {
   std::vector<bool> linear, srgb;
 };
@@ -133,15 +149,10 @@ glm::vec4 Textures::fetch(const TextureRef& ref, const TexturePoint& point, Enco
   const Pyramid& pyramid = pyramids_[encoding][static_cast<size_t>(ref.image)];
   const size_t set = ref.texcoord == 1 ? 1 : 0;
   size_t index = 0;
-  if (point.footprint[set] > 0 && pyramid.levels.size() > 1) {
+  if (point.footprint[set].x > 0 && pyramid.levels.size() > 1) {
     const Level& finest = pyramid.levels[0];
-    const glm::mat3& m = ref.transform;
-    const float scale = std::fabs(m[0][0] * m[1][1] - m[0][1] * m[1][0]);
-    const float texels = point.footprint[set] * scale * static_cast<float>(finest.width) *
-                         static_cast<float>(finest.height);  // under the footprint
-    // Half the binary logarithm, rounded down, is half the exponent.
-    const int level = (static_cast<int>(std::bit_cast<uint32_t>(texels) >> 23) - 127) >> 1;
-    index = static_cast<size_t>(std::clamp(level, 0, static_cast<int>(pyramid.levels.size()) - 1));
+    const glm::vec2 size(static_cast<float>(finest.width), static_cast<float>(finest.height));
+    index = std::min(level_of(point.footprint[set], ref.transform, size), pyramid.levels.size() - 1);
   }
   const Level& level = pyramid.levels[index];
   if (level.width <= 0 || level.height <= 0) return glm::vec4(1);

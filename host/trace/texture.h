@@ -1,9 +1,9 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 //
 // Texture fetches with glTF's wrap modes and KHR_texture_transform. What a ray covers at a surface, its footprint, chooses a MIP
-// level whose texels are no larger than it; within the level the fetch is bilinear, or nearest where the sampler magnifies so and
-// for rays that were scattered, which blurs more than any interpolation.
-// The minification filters of glTF stand for the mean over the footprint, which many samples of a pixel take anyway.
+// level whose texels are no larger than it is wide where it is narrowest; within the level the fetch is bilinear, or nearest
+// where the sampler magnifies so and for rays that were scattered, which blurs more than any interpolation. The minification
+// filters of glTF stand for the mean over the footprint, which many samples of a pixel take anyway.
 #pragma once
 
 #include <array>
@@ -19,8 +19,8 @@ using TexCoords = std::array<glm::vec2, 2>;
 // Where a texture is looked up, for both sets of coordinates.
 struct TexturePoint {
   TexCoords uv{};
-  std::array<float, 2> footprint{};  // area in units of the coordinates, before any transform; 0: the finest level
-  bool blurred = false;              // by a scattering: one texel of the footprint stands for it
+  std::array<glm::vec2, 2> footprint{};  // squares of its extents in u and v, before any transform; 0: the finest level
+  bool blurred = false;                  // by a scattering: one texel of the footprint stands for it
 };
 
 // All textures of a scene, with the MIP levels that its materials use. Keeps references to the scene's pictures.

@@ -135,10 +135,13 @@ void World::prepare_shading(size_t index, const std::vector<int>& triangle_mater
         (std::max({largest_coordinate(corner(0)), largest_coordinate(corner(1)), largest_coordinate(corner(2))}) + 2 * origin);
     for (size_t set = 0; set < 2; ++set) {
       const auto& uv = g.texcoords[set];
-      triangle.density[set] = 0;
+      triangle.density[set] = glm::vec2(0);
       if (uv.empty() || !(length > 0)) continue;
-      const glm::vec2 u = uv[triangle.corner[1]] - uv[triangle.corner[0]], v = uv[triangle.corner[2]] - uv[triangle.corner[0]];
-      triangle.density[set] = std::fabs(u.x * v.y - u.y * v.x) / length;
+      const glm::vec2 a = uv[triangle.corner[1]] - uv[triangle.corner[0]], b = uv[triangle.corner[2]] - uv[triangle.corner[0]];
+      const glm::vec3 edge1 = corner(1) - corner(0), edge2 = corner(2) - corner(0);
+      // The gradient of a linear function with differences a and b along the edges, turned by a right angle.
+      const auto slope = [&](float along1, float along2) { return glm::length(along1 * edge2 - along2 * edge1) / length; };
+      triangle.density[set] = {sqr(slope(a.x, b.x)), sqr(slope(a.y, b.y))};
     }
   });
 }
@@ -242,7 +245,9 @@ Surface World::surface_at(const Ray& ray, const Hit& hit) const {
   s.position = interpolate(a.position, b.position, c.position);
   s.margin = triangle.margin;
   s.geometric = is_black(triangle.normal) ? -ray.direction : triangle.normal;
-  s.back = glm::dot(s.geometric, ray.direction) > 0;
+  const float cosine = glm::dot(s.geometric, ray.direction);
+  s.back = cosine > 0;
+  s.cosine = std::fabs(cosine);
   s.emission = posed.emission;
   const glm::vec3 n = interpolate(a.normal, b.normal, c.normal);
   const float n_length = glm::length(n);
@@ -250,7 +255,7 @@ Surface World::surface_at(const Ray& ray, const Hit& hit) const {
   if (glm::dot(s.shading, s.geometric) < 0) s.shading = -s.shading;
   s.coat = s.shading;
 
-  // The cone's area in texture coordinates.
+  // What the cone covers in texture coordinates.
   s.point.blurred = ray.spread > kBlurred;
   const float covered = sqr(ray.width_at(hit.distance));
   s.point.uv[0] = interpolate(a.uv, b.uv, c.uv);
@@ -288,10 +293,24 @@ void World::apply_normal_maps(const glm::vec3& shading, const glm::vec3& barycen
   }
 }
 
-glm::vec3 World::emission_of(const Surface& surface) const {
+glm::vec3 World::emission_below_coat(const Surface& surface) const {
   if (!surface.material->emits || surface.emission == 0) return glm::vec3(0);
   if (surface.back && !surface.material->source->double_sided) return glm::vec3(0);
   return surface.emission * emission_at(textures_, *surface.material, surface.point);
+}
+
+// Of the geometric normal, as lights that are sampled know no other.
+glm::vec3 World::emission_of(const Surface& surface) const {
+  const glm::vec3 emission = emission_below_coat(surface);
+  if (!surface.material->coated || is_black(emission)) return emission;
+  return emission * coat_share_at(textures_, *surface.material, surface.point, surface.cosine).seen;
+}
+
+LayeredEmission World::layered_emission_of(const Surface& surface) const {
+  const glm::vec3 emission = emission_below_coat(surface);
+  if (!surface.material->coated || is_black(emission)) return {emission, glm::vec3(0)};
+  const CoatShare share = coat_share_at(textures_, *surface.material, surface.point, surface.cosine);
+  return {emission * share.mean, emission * (share.seen - share.mean)};
 }
 
 Shadow World::shadow(const Ray& ray, bool through_glass, const glm::vec3& absorption) const {

@@ -49,6 +49,7 @@ struct Surface {
   float distance = 0;  // along the ray
   float margin = 0;    // how far from it a ray may start without meeting it again
   float emission = 1;  // factor of the pose
+  float cosine = 1;    // between the ray and the geometric normal, positive
   bool back = false;   // met from behind
 };
 
@@ -64,7 +65,13 @@ struct alignas(16) ShadingTriangle {
   int32_t material;            // index into World::materials()
   glm::vec3 normal;            // unit, on the front; 0 where the triangle has no area
   float margin;                // how far from it a ray may start without meeting it again
-  std::array<float, 2> density;  // area in texture coordinates per area in the world, of both sets
+  std::array<glm::vec2, 2> density;  // squares of how fast u and v change with the way in the world, of both sets
+};
+
+// Emission in the picture's layers: the part that is the same from everywhere, as the mean over all views, and what a coat makes
+// of it for the one view.
+struct LayeredEmission {
+  glm::vec3 diffuse{0}, view{0};
 };
 
 struct Shadow {
@@ -103,8 +110,10 @@ class World {
 
   bool intersect(const Ray& ray, Hit& hit) const;
   Surface surface_at(const Ray& ray, const Hit& hit) const;
-  // Emission of a surface towards where it was met from.
+  // Emission of a surface towards where it was met from, through its coat.
   glm::vec3 emission_of(const Surface& surface) const;
+  // The same in two parts, of which it is the sum.
+  LayeredEmission layered_emission_of(const Surface& surface) const;
   // What reaches ray.origin from distance ray.t_max. `through_glass`: whether light may go straight through rough or solid
   // glass (else it stops there); `absorption` is that of the medium around the origin.
   Shadow shadow(const Ray& ray, bool through_glass, const glm::vec3& absorption) const;
@@ -127,6 +136,7 @@ class World {
   void release_object(size_t index);
   void deform_object(size_t index);
   void prepare_shading(size_t index, const std::vector<int>& triangle_materials);
+  glm::vec3 emission_below_coat(const Surface& surface) const;
   void apply_normal_maps(const glm::vec3& shading, const glm::vec3& barycentric, Surface& surface) const;
 
   const Scene& scene_;

@@ -240,6 +240,30 @@ TEST(Skin, ABarBendsAtItsJointAndItsNormalsAndTangentsTurnAlong) {
   }
 }
 
+// A character exported below a node of scale -1 is single-sided as a rule: turned inside out, it could not be seen at all.
+TEST(Skin, AMirroredFigureShowsItsFrontsAndItsNormalMapsTheRightWayRound) {
+  for (const bool animated : {false, true})
+    for (const float mirror : {1.0f, -1.0f}) {
+      Model m = bar();
+      m.primitive()["attributes"]["NORMAL"] = m.add_floats({0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1}, 3);
+      m.json["nodes"].push_back({{"name", "mirror"}, {"scale", {mirror, 1, 1}}, {"children", {0, 1}}});
+      m.json["scenes"][0]["nodes"] = {3};
+      if (animated) add_animation(m, "bend", {kKneeTurns});
+      const Folder folder;
+      const auto scene = test::load(folder, m, animated ? axis("bend") : "");
+      SCOPED_TRACE(testing::Message() << (animated ? "animated" : "at rest") << ", scale " << mirror);
+      const Geometry g = animated ? mesh_at(*scene, {0.0f}).geometry : scene->objects[0].geometry;
+      expect_near(g.positions[1], {mirror, 0, 0});
+      for (size_t t = 0; t < g.indices.size(); t += 3) {
+        const auto corner = [&](size_t k) { return g.positions[g.indices[t + k]]; };
+        EXPECT_GT(glm::cross(corner(1) - corner(0), corner(2) - corner(0)).z, 0) << "triangle " << t / 3 << " is turned over";
+      }
+      expect_near(g.normals[1], {0, 0, 1});
+      expect_near(g.tangents[1], {mirror, 0, 0});
+      expect_near(g.tangents[1].w * glm::cross(g.normals[1], glm::vec3(g.tangents[1])), {0, 1, 0});
+    }
+}
+
 TEST(Skin, SeveralAxesAndMorphTargetsWorkTogetherMorphFirst) {
   Model m = bar();
   m.primitive()["targets"] = {{{"POSITION", m.add_floats({0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1, 0, 0, 1, 0}, 3)}}};

@@ -3,6 +3,7 @@
 // Light whose value a formula gives.
 #include <gtest/gtest.h>
 
+#include "host/trace/fresnel.h"
 #include "tests/trace/measure.h"
 #include "tests/trace/scenes.h"
 
@@ -150,6 +151,87 @@ TEST(ClosedForm, MirrorShowsExactlyItsTintOfWhatItReflects) {
   EXPECT_FLOAT_EQ(static_cast<float>(seen.specular.mean), 1.0f);  // Schlick at normal incidence is the colour itself
   EXPECT_EQ(seen.specular.error, 0);
   EXPECT_EQ(seen.diffuse.mean, 0);
+}
+
+Material coated_lamp(float coat, float roughness) {
+  Material m = lamp(glm::vec3(1));
+  m.clearcoat = coat;
+  m.clearcoat_roughness = roughness;
+  m.double_sided = true;
+  return m;
+}
+
+// KHR_materials_clearcoat: a coat dims what shines through it, the more the flatter it is looked at. Its layer `diffuse` stays
+// the same from everywhere: textures hold it.
+TEST(ClosedForm, ACoatDimsTheLampBelowIt) {
+  for (const float degrees : {0.0f, 60.0f, 85.0f}) {
+    Scene scene = scene_with_camera({0, 0, 5}, {0, 0, 0}, 0.5f);
+    add_object(scene, make_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), add_material(scene, coated_lamp(0.7f, 0)), "lamp");
+    const float a = glm::radians(degrees);
+    const glm::vec3 from(std::sin(a), 0, std::cos(a));
+    const double seen = 1 - 0.7 * (0.04 + 0.96 * trace::schlick_weight(from.z));
+    const double mean = 1 - 0.7 * (0.04 + 0.96 / 21);
+    const Laboratory laboratory(scene);
+    EXPECT_ESTIMATE(laboratory.look(from, -from, 4, 16).sum, seen, 1e-5);
+    const trace::Ray ray{from, -from};
+    trace::Hit hit;
+    ASSERT_TRUE(laboratory.world->intersect(ray, hit));
+    const trace::LayeredEmission layers = laboratory.world->layered_emission_of(laboratory.world->surface_at(ray, hit));
+    EXPECT_NEAR(layers.diffuse.r, mean, 1e-5);
+    EXPECT_NEAR(layers.diffuse.r + layers.view.r, seen, 1e-5);
+  }
+}
+
+// The light that leaves the coat is found by scattered rays and by sampling lights alike: else a room would be lit by more than
+// its lamps show.
+TEST(ClosedForm, ACoatedLampLightsAFloorHoweverItIsFound) {
+  for (const float roughness : {0.0f, 0.4f}) {
+    Scene scene = scene_with_camera({0, 2, 3}, {0, 0, 0}, 0.5f);
+    add_object(scene, make_quad({-1, 0, 1}, {2, 0, 0}, {0, 0, -2}), add_material(scene, lambert(glm::vec3(0.5f))), "floor");
+    const int material = add_material(scene, coated_lamp(1, roughness));
+    scene.images.push_back({"half", 1, 1, {128, 128, 128, 255}});
+    scene.materials[static_cast<size_t>(material)].clearcoat_texture.image = 0;
+    add_object(scene, make_quad({1.5f, 0.3f, -0.5f}, {1, 0, 0}, {0, 0, 1}), material, "lamp that is seen flatly");
+    trace::PathSettings settings;
+    settings.strategy = trace::LightStrategy::kScatteringOnly;
+    const Estimate found = look_at_origin(scene, settings).diffuse;
+    settings.strategy = trace::LightStrategy::kLightsOnly;
+    const Estimate aimed = look_at_origin(scene, settings).diffuse;
+    const Estimate both = look_at_origin(scene).diffuse;
+    EXPECT_NEAR(found.mean, aimed.mean, 3 * std::hypot(found.error, aimed.error)) << "roughness " << roughness;
+    EXPECT_NEAR(both.mean, aimed.mean, 3 * std::hypot(both.error, aimed.error)) << "roughness " << roughness;
+    scene.materials[static_cast<size_t>(material)].clearcoat = 0;
+    EXPECT_LT(aimed.mean, 0.9 * look_at_origin(scene).diffuse.mean);
+  }
+}
+
+// KHR_materials_specular: the colour is that of reflections at normal incidence; towards grazing angles glass reflects all
+// colours alike, and what it does not reflect goes through.
+TEST(ClosedForm, GlassOfAnySpecularColourIsAMirrorAtGrazingAngles) {
+  for (const float specular : {1.0f, 0.5f})
+    for (const float color : {0.0f, 0.5f, 1.0f, 40.0f})
+      for (const float degrees : {0.0f, 60.0f, 85.0f}) {
+        SCOPED_TRACE(testing::Message() << "specular " << specular << ", colour " << color << ", " << degrees << " degrees");
+        const float a = glm::radians(degrees), f0 = 0.04f, base = std::min(f0 * color, 1.0f);
+        const float edge = (trace::fresnel_dielectric(std::cos(a), 1.5f) - f0) / (1 - f0);
+        const double reflected = specular * (base + (1 - base) * edge);
+        Material pane = clear_glass(1.5f, 0, 0);
+        pane.specular = specular;
+        pane.specular_color = glm::vec3(color);
+        for (const float side : {1.0f, -1.0f}) {  // the light is before the pane, or behind it
+          Scene scene = scene_with_camera({0, 0, 5}, {0, 0, 0}, 0.5f);
+          add_object(scene, make_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), add_material(scene, pane), "pane");
+          const int light = add_material(scene, lamp(glm::vec3(1)));
+          add_object(scene, make_quad({side * 999, -999, side * 20}, {side * -1998, 0, 0}, {0, 1998, 0}), light, "light");
+          const glm::vec3 from(std::sin(a), 0, std::cos(a));
+          EXPECT_ESTIMATE(Laboratory(scene).look(from, -from, 16, 256).sum, side > 0 ? reflected : 1 - reflected, 1e-4);
+        }
+        Scene scene;
+        scene.materials.push_back(pane);
+        const glm::vec3 straight = trace::straight_transmittance(trace::Textures(scene), trace::prepare_materials(scene)[0], {},
+                                                                 glm::vec3(1), std::cos(a), false);
+        EXPECT_NEAR(straight.r, 1 - reflected, 1e-5) << "in shadows";
+      }
 }
 
 // Beer-Lambert and both Fresnel interfaces with all inner reflections, at normal incidence.

@@ -111,6 +111,20 @@ TEST(Energy, ThinGlassKeepsIt) {
   }
 }
 
+// What a specular factor or colour takes from the reflection goes through.
+TEST(Energy, ThinGlassOfAnySpecularKeepsIt) {
+  for (const float roughness : {0.0f, 0.3f, 0.7f, 1.0f})
+    for (const float specular : {0.0f, 0.6f, 1.0f})
+      for (const float color : {0.0f, 1.0f, 30.0f}) {
+        SurfaceParameters p = surface(roughness, 0, 1);
+        set_index(p, 1.5f);
+        p.glass_specular = specular;
+        p.glass_color = glm::vec3(color);
+        SCOPED_TRACE(testing::Message() << "specular " << specular << ", colour " << color);
+        for (const float degrees : {0.0f, 60.0f, 82.0f}) expect_white(p, degrees);
+      }
+}
+
 TEST(Energy, CoatsKeepItOverEveryBase) {
   for (const float roughness : {0.0f, 0.2f, 0.7f})
     for (const float metal : {0.0f, 0.5f, 1.0f})

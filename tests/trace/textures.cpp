@@ -3,6 +3,8 @@
 // Materials at a point: textures where files go to extremes, and what rays in a straight line meet.
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "host/trace/fresnel.h"
 #include "host/trace/shading_material.h"
 #include "host/trace/texture.h"
@@ -66,9 +68,48 @@ TEST(Texture, MinifiedStripesAreTheMeanOfTheirLightAndNotOfTheirCodes) {
   const TextureRef& ref = scene.materials[0].base_color_texture;
   for (const float texels : {2.0f, 5.0f, 64.0f, 1e4f}) {
     const float side = texels / 64;
-    EXPECT_NEAR(textures.srgb(ref, {{glm::vec2(0.3f, 0.6f), glm::vec2(0)}, {side * side, 0}}).r, 0.5f, 0.005f) << texels;
+    EXPECT_NEAR(textures.srgb(ref, {{glm::vec2(0.3f, 0.6f), glm::vec2(0)}, {glm::vec2(side * side), glm::vec2(0)}}).r, 0.5f,
+                0.005f)
+        << texels;
   }
   EXPECT_FLOAT_EQ(textures.srgb(ref, {{glm::vec2(0.5f / 64, 0.6f), glm::vec2(0)}, {}}).r, 0.0f);
+}
+
+// Planks, hair, brushed metal: what is repeated often along its grain must not be blurred across it, however it is turned.
+TEST(Texture, RepeatedManyTimesOneWayItStaysSharpTheOtherWay) {
+  Scene scene = scene_with_camera({0, 0, 5}, {0, 0, 0}, 0.5f);
+  Image stripes{"stripes", 256, 256, {}};  // of 8 rows
+  for (int i = 0; i < 256 * 256; ++i) {
+    const uint8_t c = i / 256 / 8 % 2 ? 255 : 0;
+    stripes.rgba.insert(stripes.rgba.end(), {c, c, c, 255});
+  }
+  scene.images.push_back(stripes);
+  const int material = add_material(scene, lambert(glm::vec3(1)));
+  add_object(scene, make_quad({-1, -1, 0}, {2, 0, 0}, {0, 2, 0}), material, "board");
+  TextureRef& ref = scene.materials[0].base_color_texture;
+  ref.image = 0;
+  for (const float turned : {0.0f, 0.7f})
+    for (const float repeats : {1.0f, 16.0f, 256.0f}) {
+      ref.transform = glm::mat3(1);
+      ref.transform[0] = {repeats * std::cos(turned), repeats * std::sin(turned), 0};
+      ref.transform[1] = {-std::sin(turned), std::cos(turned), 0};
+      const Laboratory laboratory(scene);
+      int looked = 0;
+      for (int i = 0; i < 40; ++i) {
+        trace::Ray ray{{0.03f * static_cast<float>(i) - 0.6f, 0.041f * static_cast<float>(i) - 0.8f, 5}, {0, 0, -1}};
+        ray.width = 2.0f / 256;
+        trace::Hit hit;
+        ASSERT_TRUE(laboratory.world->intersect(ray, hit));
+        const trace::Surface s = laboratory.world->surface_at(ray, hit);
+        const float v = (ref.transform * glm::vec3(s.point.uv[0], 1)).y;
+        const int stripe = static_cast<int>(std::floor(v * 32));
+        if (std::fabs(v * 32 - static_cast<float>(stripe) - 0.5f) > 0.3f) continue;  // near an edge
+        ++looked;
+        EXPECT_NEAR(trace::base_color_at(laboratory.world->textures(), *s.material, s.point).r, stripe % 2 ? 1 : 0, 0.01f)
+            << repeats << " times, turned by " << turned;
+      }
+      EXPECT_GT(looked, 5);
+    }
 }
 
 TEST(Texture, CutOutsKeepTheirEdgesHoweverFarTheyAre) {
@@ -80,7 +121,7 @@ TEST(Texture, CutOutsKeepTheirEdgesHoweverFarTheyAre) {
   for (const float u : {0.5f / 64, 1.5f / 64}) {
     trace::SurfacePoint point;
     point.uv[0] = {u, 0.6f};
-    point.footprint[0] = 1;
+    point.footprint[0] = glm::vec2(1);
     const float alpha = trace::alpha_at(prepared[0], trace::base_color_at(textures, prepared[0], point));
     EXPECT_EQ(alpha, u > 1.0f / 64 ? 1 : 0);
   }
@@ -121,6 +162,18 @@ TEST(StraightLight, ShadowOfAPaneKnowsItsSpecularTextures) {
     add_object(scene, make_quad({-0.2f, 1, 0.2f}, {0.4f, 0, 0}, {0, 0, -0.4f}), add_material(scene, pane), "pane");
     EXPECT_ESTIMATE(Laboratory(scene).look({0, 0.5f, 1}, {0, -0.5f, -1}, 32, 256).diffuse, 0.6 / trace::kPi * 5 / 4, 1e-4);
   }
+}
+
+// glTF writes infinity as an index of 0: light in such glass must be scaled by no division by it.
+TEST(Glass, AnIndexOfZeroIsALargeOneForAllThatAsk) {
+  Scene scene;
+  for (const float ior : {0.0f, 1.0f, 1.7f}) scene.materials.push_back(clear_glass(ior, 0.3f, 1));
+  const std::vector<trace::ShadingMaterial> prepared = trace::prepare_materials(scene);
+  EXPECT_GE(prepared[0].ior, 1000);
+  EXPECT_TRUE(std::isfinite(prepared[0].ior));
+  EXPECT_EQ(prepared[1].ior, 1);
+  EXPECT_EQ(prepared[2].ior, 1.7f);
+  for (const trace::ShadingMaterial& m : prepared) EXPECT_EQ(m.ior, m.parameters.ior);
 }
 
 // A thin pane has no inside: light passes it from either side alike, at grazing angles too.
