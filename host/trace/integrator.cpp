@@ -133,8 +133,9 @@ CameraSample Integrator::shade(const FirstHit& first, LayerSet layers, Sampler& 
       sampler.start_vertex(own.stream, 0);
       if (scatter(own, surface, bsdf, Continuation::kDiffuse, sampler)) scattered += follow(own, sampler);
     }
-    result.diffuse = world_.emission_of(surface) + scattered;
-    result.view = scattered * (bsdf.view_factor() - 1.0f);
+    const LayeredEmission emission = world_.layered_emission_of(surface);
+    result.diffuse = emission.diffuse + scattered;
+    result.view = emission.view + scattered * (bsdf.view_factor() - 1.0f);
   }
   if (layers.specular) {
     result.specular = direct.specular;
@@ -397,7 +398,7 @@ void Integrator::continue_path(Path& path, const Surface& surface, const Bsdf& b
     }
   }
   if (!bent || !bsdf.solid()) return;
-  const float ior = surface.material->source->ior;
+  const float ior = surface.material->ior;
   if (bsdf.inside()) {
     path.media.leave(surface.object);
     path.radiance_scale /= ior * ior;
