@@ -63,10 +63,13 @@ PartialPicture half(const PartialPicture& fine) {
 
 // Bilinear, cell centres at (x + 1/2), clamped.
 glm::vec3 interpolate(const std::vector<glm::vec3>& values, int width, int height, float x, float y) {
-  const float cx = std::clamp(x - 0.5f, 0.0f, static_cast<float>(width - 1)), cy = std::clamp(y - 0.5f, 0.0f, static_cast<float>(height - 1));
+  const float cx = std::clamp(x - 0.5f, 0.0f, static_cast<float>(width - 1)),
+              cy = std::clamp(y - 0.5f, 0.0f, static_cast<float>(height - 1));
   const int x0 = static_cast<int>(cx), y0 = static_cast<int>(cy);
   const int x1 = std::min(x0 + 1, width - 1), y1 = std::min(y0 + 1, height - 1);
-  const auto at = [&](int u, int v) { return values[static_cast<size_t>(v) * static_cast<size_t>(width) + static_cast<size_t>(u)]; };
+  const auto at = [&](int u, int v) {
+    return values[static_cast<size_t>(v) * static_cast<size_t>(width) + static_cast<size_t>(u)];
+  };
   const float s = cx - static_cast<float>(x0), t = cy - static_cast<float>(y0);
   return (1 - t) * ((1 - s) * at(x0, y0) + s * at(x1, y0)) + t * ((1 - s) * at(x0, y1) + s * at(x1, y1));
 }
@@ -102,7 +105,8 @@ std::vector<glm::vec3> fill_from_neighbors(const PartialPicture& p) {
     for (int x = 0; x < p.width; ++x) {
       const size_t i = static_cast<size_t>(y) * static_cast<size_t>(p.width) + static_cast<size_t>(x);
       if (p.defined[i]) continue;
-      filled[i] = interpolate(coarser, coarse.width, coarse.height, 0.5f * (static_cast<float>(x) + 0.5f), 0.5f * (static_cast<float>(y) + 0.5f));
+      filled[i] = interpolate(coarser, coarse.width, coarse.height, 0.5f * (static_cast<float>(x) + 0.5f),
+                              0.5f * (static_cast<float>(y) + 0.5f));
     }
   return filled;
 }

@@ -62,7 +62,8 @@ PartialPicture object_layers(const Frame& frame, int object, float white) {
     if (o.object != object) continue;
     for (size_t i = 0; i < o.coverage.size(); ++i) {
       const auto columns = static_cast<size_t>(o.width);
-      const size_t p = (static_cast<size_t>(o.y) + i / columns) * static_cast<size_t>(frame.width) + static_cast<size_t>(o.x) + i % columns;
+      const size_t p =
+          (static_cast<size_t>(o.y) + i / columns) * static_cast<size_t>(frame.width) + static_cast<size_t>(o.x) + i % columns;
       layers.defined[p] = o.coverage[i] >= kDefinedCoverage;
       layers.values[p] = glm::min(o.diffuse[i], glm::vec3(white)) + glm::min(o.specular[i], glm::vec3(white));
     }

@@ -1,8 +1,8 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 //
-// Textures by forward mapping (Hakura 2001, section 3.3): every texel of the texture domain is mapped to the picture and takes there
-// what a separable Lanczos-windowed sinc of half-width 4 pixels makes of the object's layer. How the target filters textures plays
-// no part: a peer of texture inference.
+// Textures by forward mapping (Hakura 2001, section 3.3): every texel of the texture domain is mapped to the picture and takes
+// there what a separable Lanczos-windowed sinc of half-width 4 pixels makes of the object's layer. How the target filters
+// textures plays no part: a peer of texture inference.
 #pragma once
 
 #include <glm/mat4x4.hpp>

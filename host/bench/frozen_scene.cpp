@@ -10,7 +10,8 @@ namespace {
 void check_rigid(const Scene& scene) {
   for (size_t o = 0; o < scene.objects.size(); ++o)
     if (deforming_axes(scene, static_cast<int>(o)) != 0)
-      throw InputError(scene.file.string(), "an axis deforms object \"" + scene.objects[o].name + "\", but targets draw rigid meshes only",
+      throw InputError(scene.file.string(),
+                       "an axis deforms object \"" + scene.objects[o].name + "\", but targets draw rigid meshes only",
                        "leave the axis out");
 }
 

@@ -98,7 +98,8 @@ struct Codes {
 };
 
 const ObjectFrame* find_object(const Frame& frame, int object) {
-  const auto found = std::find_if(frame.objects.begin(), frame.objects.end(), [&](const ObjectFrame& o) { return o.object == object; });
+  const auto found =
+      std::find_if(frame.objects.begin(), frame.objects.end(), [&](const ObjectFrame& o) { return o.object == object; });
   return found == frame.objects.end() ? nullptr : &*found;
 }
 
@@ -116,7 +117,8 @@ Codes drawn_codes(const std::vector<glm::vec4>& picture, int columns, const Code
   Codes codes{window.x, window.y, window.width, window.height, {}, {}};
   for (int y = 0; y < window.height; ++y)
     for (int x = 0; x < window.width; ++x) {
-      const glm::vec4& pixel = picture[static_cast<size_t>(window.y + y) * static_cast<size_t>(columns) + static_cast<size_t>(window.x + x)];
+      const glm::vec4& pixel =
+          picture[static_cast<size_t>(window.y + y) * static_cast<size_t>(columns) + static_cast<size_t>(window.x + x)];
       codes.coverage.push_back(pixel.w);
       for (int c = 0; c < 3; ++c) codes.rgb.push_back(srgb8_from_radiance(pixel.w > 0 ? exposure * pixel[c] / pixel.w : 0));
     }
@@ -142,7 +144,8 @@ Picture crop_of(const Codes& codes) {
   for (int y = 0; y < codes.height; ++y)
     for (int x = 0; x < codes.width; ++x) {
       const size_t from = static_cast<size_t>(y) * static_cast<size_t>(codes.width) + static_cast<size_t>(x);
-      const size_t to = static_cast<size_t>(y + kCropMargin) * static_cast<size_t>(picture.width) + static_cast<size_t>(x + kCropMargin);
+      const size_t to =
+          static_cast<size_t>(y + kCropMargin) * static_cast<size_t>(picture.width) + static_cast<size_t>(x + kCropMargin);
       if (codes.coverage[from] < kCounts) continue;
       for (size_t c = 0; c < 3; ++c) picture.rgb[3 * to + c] = codes.rgb[3 * from + c];
     }
@@ -155,7 +158,8 @@ Codes in_window_of(const Codes& codes, const Codes& window) {
   for (int y = window.y; y < window.y + window.height; ++y)
     for (int x = window.x; x < window.x + window.width; ++x) {
       const bool inside = x >= codes.x && y >= codes.y && x < codes.x + codes.width && y < codes.y + codes.height;
-      const size_t i = inside ? static_cast<size_t>(y - codes.y) * static_cast<size_t>(codes.width) + static_cast<size_t>(x - codes.x) : 0;
+      const size_t i =
+          inside ? static_cast<size_t>(y - codes.y) * static_cast<size_t>(codes.width) + static_cast<size_t>(x - codes.x) : 0;
       moved.coverage.push_back(inside ? codes.coverage[i] : 0.0f);
       for (size_t c = 0; c < 3; ++c) moved.rgb.push_back(inside ? codes.rgb[3 * i + c] : uint8_t{0});
     }
@@ -170,7 +174,8 @@ class ObjectDrawer {
     const Pyramid pyramid(1, 1);
     const glm::vec4 nothing(0);
     const auto texels = std::as_bytes(std::span(&nothing, 1));
-    textures_.assign(objects.size(), create_pyramid_texture(gpu, renderer_.drawer(), pyramid, hal::TextureFormat::kRgba32f, texels));
+    textures_.assign(objects.size(),
+                     create_pyramid_texture(gpu, renderer_.drawer(), pyramid, hal::TextureFormat::kRgba32f, texels));
   }
   ~ObjectDrawer() {
     if (!textures_.empty()) gpu_.destroy(textures_.front());
@@ -212,7 +217,8 @@ class PeerTextures {
     std::vector<Made> made;
     for (const size_t i : measured) {
       made.push_back(take(objects[i]));
-      if (made.back().forward.texels.empty()) made.back() = make_one(objects[i], state_at(at_, objects).clip_from_object[i], progress);
+      if (made.back().forward.texels.empty())
+        made.back() = make_one(objects[i], state_at(at_, objects).clip_from_object[i], progress);
       progress.advance(1);
     }
     progress.end();
@@ -263,7 +269,8 @@ class Measurement {
       const Place& at = setup_->places.front();
       const Inference inference = infer_textures(*at.scene, {key_}, store_, *gpu_, options_at(at, filter), progress_);
       const std::vector<size_t> measured = measured_of(inference.objects);
-      quality_.matrices.push_back({filter, measure_matrix_costs(*gpu_, options_at(at, filter), inference.objects, state_at(at, inference.objects))});
+      quality_.matrices.push_back(
+          {filter, measure_matrix_costs(*gpu_, options_at(at, filter), inference.objects, state_at(at, inference.objects))});
       peers.make(inference.objects, measured, progress_);
       if (quality_.objects.empty()) start_pictures(inference.objects, measured);
       for (const TextureMethod method : kTextureMethods) {
@@ -297,12 +304,13 @@ class Measurement {
       if (seen && (only_ < 0 || objects[i].object == only_)) measured.push_back(i);
     }
     if (measured.empty())
-      throw InputError(only_ < 0 ? scene_.file.string() : "--object " + options_.object, "it is not seen in the middle of the axes",
-                       "move the camera, or name another object");
+      throw InputError(only_ < 0 ? scene_.file.string() : "--object " + options_.object,
+                       "it is not seen in the middle of the axes", "move the camera, or name another object");
     return measured;
   }
 
-  LinearTexture texture_by(TextureMethod method, const Inference& inference, size_t object, const PeerTextures& peers, size_t number) const {
+  LinearTexture texture_by(TextureMethod method, const Inference& inference, size_t object, const PeerTextures& peers,
+                           size_t number) const {
     if (method == TextureMethod::kForward) return peers.forward(number);
     if (method == TextureMethod::kTraced) return peers.traced(number);
     return load_object_texture(store_, setup_->at, inference, kLayers, static_cast<int>(object), 0);
@@ -312,7 +320,8 @@ class Measurement {
     for (const size_t i : measured) {
       const Codes truth = traced_codes(setup_->places.front().truth, objects[i].object, exposure());
       const Codes other = in_window_of(traced_codes(setup_->other_seed, objects[i].object, exposure()), truth);
-      quality_.objects.push_back({scene_.objects[static_cast<size_t>(objects[i].object)].name, psnr_of(truth, other), crop_of(truth), {}});
+      quality_.objects.push_back(
+          {scene_.objects[static_cast<size_t>(objects[i].object)].name, psnr_of(truth, other), crop_of(truth), {}});
     }
   }
 
@@ -324,7 +333,8 @@ class Measurement {
       const int object = objects[measured[n]].object;
       const Codes truth = traced_codes(place.truth, object, exposure());
       const Codes drawn = drawn_codes(drawer.draw(measured[n], textures[n]), place.width, truth, exposure());
-      quality_.rows.push_back({method, filter, place.where, scene_.objects[static_cast<size_t>(object)].name, psnr_of(truth, drawn)});
+      quality_.rows.push_back(
+          {method, filter, place.where, scene_.objects[static_cast<size_t>(object)].name, psnr_of(truth, drawn)});
       if (&place == &setup_->places.front()) quality_.objects[n].drawn.push_back({method, filter, crop_of(drawn)});
     }
   }
@@ -360,7 +370,8 @@ const char* filter_name(SurfaceFilter filter) {
   return "trilinear";
 }
 
-InferenceQuality measure_inference(const Scene& scene, const InferenceQualityOptions& options, const Store& store, Progress& progress) {
+InferenceQuality measure_inference(const Scene& scene, const InferenceQualityOptions& options, const Store& store,
+                                   Progress& progress) {
   return Measurement(scene, options, store, progress).run();
 }
 

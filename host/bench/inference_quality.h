@@ -3,9 +3,9 @@
 // Three ways to make textures that reproduce a traced picture (Hakura 2001, section 3.6), drawn through each filter of the target
 // and compared with ground truth: at the view whose picture they were made from, between views, and at other resolutions.
 //
-// What is compared is an object's own picture, as tracer and target both have it: the light of the parts of a pixel where the object
-// is seen in front of all others, through the pixel filter, divided by its coverage. So no method is charged for another object's
-// texture, nor for edges, which no texture can change; pixels that the object covers by half or more count, in both.
+// What is compared is an object's own picture, as tracer and target both have it: the light of the parts of a pixel where the
+// object is seen in front of all others, through the pixel filter, divided by its coverage. So no method is charged for another
+// object's texture, nor for edges, which no texture can change; pixels that the object covers by half or more count, in both.
 #pragma once
 
 #include <string>
@@ -22,7 +22,8 @@ namespace vitrine {
 
 // "least_squares": infer_textures() through the filter. "forward": map_forward(). "traced": TextureTracer.
 enum class TextureMethod : uint8_t { kLeastSquares, kForward, kTraced };
-inline constexpr TextureMethod kTextureMethods[] = {TextureMethod::kLeastSquares, TextureMethod::kForward, TextureMethod::kTraced};
+inline constexpr TextureMethod kTextureMethods[] = {TextureMethod::kLeastSquares, TextureMethod::kForward,
+                                                    TextureMethod::kTraced};
 const char* method_name(TextureMethod method);
 const char* filter_name(SurfaceFilter filter);  // "bilinear", "trilinear", "aniso2", "aniso4"
 
@@ -45,7 +46,8 @@ struct QualityRow {
 // An object at the sample, cut out of the picture; grey where it does not count.
 struct ObjectPictures {
   std::string object;
-  double noise_db = 0;  // PSNR between two traced pictures of it with different seeds: textures that know one cannot do better by the other
+  double noise_db =
+      0;  // PSNR between two traced pictures of it with different seeds: textures that know one cannot do better by the other
   Picture truth;
   struct Drawn {
     TextureMethod method;
@@ -67,6 +69,7 @@ struct InferenceQuality {
 
 // At the scene's middle sample, in pictures of the scene's size. Frames and textures go to `store`. Throws InputError where the
 // object is not there or not seen, or an axis deforms one.
-InferenceQuality measure_inference(const Scene& scene, const InferenceQualityOptions& options, const Store& store, Progress& progress);
+InferenceQuality measure_inference(const Scene& scene, const InferenceQualityOptions& options, const Store& store,
+                                   Progress& progress);
 
 }  // namespace vitrine

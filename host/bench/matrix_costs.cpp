@@ -21,7 +21,8 @@ StateMatrix read_timed(MatrixReader& reader, const GeometryState& state, ReaderC
 
 }  // namespace
 
-MatrixCosts measure_matrix_costs(hal::Gpu& gpu, const InferenceOptions& options, std::span<const DrawnObject> objects, const GeometryState& state) {
+MatrixCosts measure_matrix_costs(hal::Gpu& gpu, const InferenceOptions& options, std::span<const DrawnObject> objects,
+                                 const GeometryState& state) {
   MatrixCosts costs;
   TestRenderer renderer(gpu, options, objects);
   IdentifierReader identifiers(renderer, objects);

@@ -22,6 +22,7 @@ struct MatrixCosts {
 
 // Reads the matrix of all `objects` (texture sizes final) in one view twice and times the second reading, as what readers keep
 // from view to view is made by the first. `options`: the filter and the picture's size. Throws InputError where a device refuses.
-MatrixCosts measure_matrix_costs(hal::Gpu& gpu, const InferenceOptions& options, std::span<const DrawnObject> objects, const GeometryState& state);
+MatrixCosts measure_matrix_costs(hal::Gpu& gpu, const InferenceOptions& options, std::span<const DrawnObject> objects,
+                                 const GeometryState& state);
 
 }  // namespace vitrine

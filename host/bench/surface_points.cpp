@@ -17,7 +17,8 @@ struct CellRange {
 };
 CellRange cells_between(double low, double high, int size) {
   const auto limit = static_cast<double>(size);
-  return {static_cast<int>(std::floor(std::clamp(low - 0.5, 0.0, limit))), static_cast<int>(std::clamp(std::ceil(high), -1.0, limit - 1))};
+  return {static_cast<int>(std::floor(std::clamp(low - 0.5, 0.0, limit))),
+          static_cast<int>(std::clamp(std::ceil(high), -1.0, limit - 1))};
 }
 
 glm::vec3 corner_position(const MeshVertex& v) { return {v.x, v.y, v.z}; }

@@ -17,8 +17,9 @@
 namespace vitrine {
 namespace {
 
-constexpr int kPoints = 3;                                             // a texel, along one dimension
-constexpr int kPointHalfWidth = 6, kPointLobes = kPointHalfWidth / kPoints, kPointTaps = 2 * kPointHalfWidth - 1;  // of the decimation, in points
+constexpr int kPoints = 3;  // a texel, along one dimension
+constexpr int kPointHalfWidth = 6, kPointLobes = kPointHalfWidth / kPoints,
+              kPointTaps = 2 * kPointHalfWidth - 1;  // of the decimation, in points
 
 trace::PathSettings path_settings(const Scene& scene) {
   trace::PathSettings settings;
@@ -34,7 +35,8 @@ std::array<float, kPointTaps> decimation_weights() {
   double sum = 0;
   for (int k = 0; k < kPointTaps; ++k) sum += lanczos(static_cast<double>(k - kPointHalfWidth + 1) / kPoints, kPointLobes);
   for (int k = 0; k < kPointTaps; ++k)
-    weights[static_cast<size_t>(k)] = static_cast<float>(lanczos(static_cast<double>(k - kPointHalfWidth + 1) / kPoints, kPointLobes) / sum);
+    weights[static_cast<size_t>(k)] =
+        static_cast<float>(lanczos(static_cast<double>(k - kPointHalfWidth + 1) / kPoints, kPointLobes) / sum);
   return weights;
 }
 
@@ -43,7 +45,8 @@ std::array<float, kPointTaps> decimation_weights() {
 struct Walk {
   size_t stride, pitch;
 };
-std::vector<glm::vec3> decimate_lines(const std::vector<glm::vec3>& points, int size, int lines, const Walk& from, const Walk& to) {
+std::vector<glm::vec3> decimate_lines(const std::vector<glm::vec3>& points, int size, int lines, const Walk& from,
+                                      const Walk& to) {
   const std::array<float, kPointTaps> weights = decimation_weights();
   std::vector<glm::vec3> texels(static_cast<size_t>(size) * static_cast<size_t>(lines));
   for (int line = 0; line < lines; ++line)
@@ -51,7 +54,8 @@ std::vector<glm::vec3> decimate_lines(const std::vector<glm::vec3>& points, int 
       glm::vec3 sum(0);
       for (int k = 0; k < kPointTaps; ++k) {
         const int point = std::clamp(kPoints * x + kPoints / 2 + k - kPointHalfWidth + 1, 0, kPoints * size - 1);
-        sum += weights[static_cast<size_t>(k)] * points[static_cast<size_t>(line) * from.pitch + static_cast<size_t>(point) * from.stride];
+        sum += weights[static_cast<size_t>(k)] *
+               points[static_cast<size_t>(line) * from.pitch + static_cast<size_t>(point) * from.stride];
       }
       texels[static_cast<size_t>(line) * to.pitch + static_cast<size_t>(x) * to.stride] = sum;
     }
@@ -94,8 +98,8 @@ struct ObjectTrace {
     first.solid = !world.scene().objects[static_cast<size_t>(object.object)].follows_camera;
     if (!first.solid) return first;
     const glm::vec3 position = world_from_object * glm::vec4(point.position, 1);
-    first.hit = {object.object, static_cast<int>(object.triangles[static_cast<size_t>(point.triangle)]), point.weights.y, point.weights.z,
-                 glm::length(position - first.ray.origin)};
+    first.hit = {object.object, static_cast<int>(object.triangles[static_cast<size_t>(point.triangle)]), point.weights.y,
+                 point.weights.z, glm::length(position - first.ray.origin)};
     first.surface = world.surface_at(first.ray, first.hit);
     return first;
   }
@@ -147,8 +151,13 @@ LinearTexture TextureTracer::trace(const DrawnObject& object, const TextureTrace
   const trace::CameraRays camera(scene.camera, pose.world_from_camera, options.width, options.height);
   const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
   const glm::mat4 placed = world_from_object(scene, pose, object.object);
-  const ObjectTrace own{world, integrator, camera, object, options, placed,
-                          clip_from_camera(scene.camera, aspect) * glm::inverse(pose.world_from_camera) * placed};
+  const ObjectTrace own{world,
+                        integrator,
+                        camera,
+                        object,
+                        options,
+                        placed,
+                        clip_from_camera(scene.camera, aspect) * glm::inverse(pose.world_from_camera) * placed};
   const int width = object.texture_width, height = object.texture_height;
   const PartialPicture points = trace_points(own, kPoints * width, kPoints * height, progress);
   return decimate_points(fill_from_neighbors(points), width, height);

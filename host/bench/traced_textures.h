@@ -27,7 +27,8 @@ class TextureTracer {
   ~TextureTracer();
   // A texture of the object's size; each layer is cut at display white as inference cuts them. Points that no triangle covers, or
   // behind the camera, are filled from their neighbours. Asks `progress` for an interruption. Threads do not change the result.
-  LinearTexture trace(const DrawnObject& object, const TextureTraceOptions& options, Progress& progress = silent_progress()) const;
+  LinearTexture trace(const DrawnObject& object, const TextureTraceOptions& options,
+                      Progress& progress = silent_progress()) const;
 
  private:
   struct Impl;

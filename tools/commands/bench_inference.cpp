@@ -24,7 +24,11 @@ nlohmann::json json_of(const ReaderCost& cost) { return {{"renderings", cost.ren
 nlohmann::json json_of(const InferenceQuality& quality) {
   nlohmann::json rows = nlohmann::json::array(), matrices = nlohmann::json::array(), noise = nlohmann::json::object();
   for (const QualityRow& r : quality.rows)
-    rows.push_back({{"method", method_name(r.method)}, {"filter", filter_name(r.filter)}, {"where", r.where}, {"object", r.object}, {"psnr_db", r.psnr_db}});
+    rows.push_back({{"method", method_name(r.method)},
+                    {"filter", filter_name(r.filter)},
+                    {"where", r.where},
+                    {"object", r.object},
+                    {"psnr_db", r.psnr_db}});
   for (const auto& m : quality.matrices) {
     // JSON knows no infinity: readers that disagree about which samples show what.
     const float difference = m.costs.largest_difference;
@@ -42,7 +46,8 @@ void print_object(const InferenceQuality& quality, const ObjectPictures& object)
   std::vector<std::string> places;
   for (const QualityRow& r : quality.rows)
     if (std::find(places.begin(), places.end(), r.where) == places.end()) places.push_back(r.where);
-  fmt::print("{} (two seeds at the sample agree to {:.2f} dB)\n  {:<14} {:<10}", object.object, object.noise_db, "PSNR, dB", "filter");
+  fmt::print("{} (two seeds at the sample agree to {:.2f} dB)\n  {:<14} {:<10}", object.object, object.noise_db, "PSNR, dB",
+             "filter");
   for (const std::string& place : places) fmt::print(" {:>10}", place);
   for (const TextureMethod method : kTextureMethods)
     for (const auto& matrix : quality.matrices) {
@@ -56,9 +61,11 @@ void print_object(const InferenceQuality& quality, const ObjectPictures& object)
 void print_matrices(const InferenceQuality& quality) {
   fmt::print("rendering matrices of a view\n");
   for (const auto& [filter, costs] : quality.matrices)
-    fmt::print("  {:<10} by identifiers {:3} renderings {:7.1f} ms, by coordinates {:3} renderings {:7.1f} ms, largest difference {:.1e}\n",
-               filter_name(filter), costs.identifiers.renderings, costs.identifiers.milliseconds, costs.coordinates.renderings,
-               costs.coordinates.milliseconds, static_cast<double>(costs.largest_difference));
+    fmt::print(
+        "  {:<10} by identifiers {:3} renderings {:7.1f} ms, by coordinates {:3} renderings {:7.1f} ms, largest difference "
+        "{:.1e}\n",
+        filter_name(filter), costs.identifiers.renderings, costs.identifiers.milliseconds, costs.coordinates.renderings,
+        costs.coordinates.milliseconds, static_cast<double>(costs.largest_difference));
 }
 
 Picture padded(const Picture& picture, int width, int height) {
@@ -72,7 +79,8 @@ Picture padded(const Picture& picture, int width, int height) {
 // Two rows an object: through each shown filter, ground truth and the three methods.
 void write_method_sheet(const std::string& file, const InferenceQuality& quality) {
   int width = 0, height = 0;
-  for (const ObjectPictures& o : quality.objects) width = std::max(width, o.truth.width), height = std::max(height, o.truth.height);
+  for (const ObjectPictures& o : quality.objects)
+    width = std::max(width, o.truth.width), height = std::max(height, o.truth.height);
   const int factor = std::max(1, kSheetHeight / height);
   const auto prepared = [&](const Picture& picture) { return magnified(padded(picture, width, height), factor); };
   std::vector<std::vector<Picture>> rows;
@@ -93,7 +101,8 @@ void BenchInferenceCommand::run() const {
   const auto progress = make_progress(common);
   const auto loaded = load_scene_with(scene, common, [&](Scene& s) { apply_size(s, size); });
   const WorkFolder folder("");
-  const InferenceQuality quality = measure_inference(*loaded, {.samples_per_pixel = samples_per_pixel, .object = object}, Store(folder.path()), *progress);
+  const InferenceQuality quality =
+      measure_inference(*loaded, {.samples_per_pixel = samples_per_pixel, .object = object}, Store(folder.path()), *progress);
   if (!sheet.empty()) write_method_sheet(sheet, quality);
   if (common.json) return print_json(json_of(quality));
   for (const ObjectPictures& o : quality.objects) print_object(quality, o);

@@ -13,7 +13,8 @@ namespace vitrine {
 class WorkFolder {
  public:
   explicit WorkFolder(const std::string& named) : kept_(!named.empty()) {
-    path_ = kept_ ? std::filesystem::path(named) : std::filesystem::temp_directory_path() / fmt::format("vitrine-bench-{}", getpid());
+    path_ =
+        kept_ ? std::filesystem::path(named) : std::filesystem::temp_directory_path() / fmt::format("vitrine-bench-{}", getpid());
   }
   ~WorkFolder() {
     std::error_code ignored;
