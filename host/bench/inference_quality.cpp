@@ -28,6 +28,7 @@ struct Place {
   const char* where;
   const Scene* scene;  // frozen
   int width, height;
+  uint32_t seed;
   Frame truth;
 };
 
@@ -35,30 +36,25 @@ struct Place {
 struct Setup {
   Scene at;
   std::unique_ptr<Scene> between;
-  std::vector<Place> places;  // the first is "at"
-  Frame other_seed;           // as the first, with independent noise
+  std::vector<Place> places;  // the first is "at", the second the same with another seed
 };
 
-TraceOptions trace_options(const Place& place, int samples, uint32_t seed) {
-  return {place.width, place.height, samples, seed, true};
-}
+TraceOptions trace_options(const Place& place, int samples) { return {place.width, place.height, samples, place.seed, true}; }
 
 void trace_places(Setup& setup, int samples, Progress& progress) {
-  progress.begin("trace", static_cast<int64_t>(setup.places.size()) + 1, 0, "pictures");
+  progress.begin("trace", static_cast<int64_t>(setup.places.size()), 0, "pictures");
   PartOfStep part(progress);
   Tracer tracer(setup.at);
   const Position still = setup.at.space().position_of({});
   for (Place& place : setup.places) {
     if (place.scene == &setup.at) {
-      place.truth = tracer.render(still, trace_options(place, samples, kSeed), part);
+      place.truth = tracer.render(still, trace_options(place, samples), part);
     } else {
       Tracer moved(*place.scene);
-      place.truth = moved.render(still, trace_options(place, samples, kSeed), part);
+      place.truth = moved.render(still, trace_options(place, samples), part);
     }
     progress.advance(1);
   }
-  setup.other_seed = tracer.render(still, trace_options(setup.places.front(), samples, kOtherSeed), part);
-  progress.advance(1);
   progress.end();
 }
 
@@ -70,10 +66,11 @@ std::unique_ptr<Setup> make_setup(const Scene& scene) {
   setup->at = frozen_at(scene, sample);
   if (const auto position = half_step_on(scene, sample)) setup->between = std::make_unique<Scene>(frozen_at(scene, *position));
   const int width = scene.settings.width, height = scene.settings.height;
-  setup->places.push_back({"at", &setup->at, width, height, {}});
-  if (setup->between) setup->places.push_back({"between", setup->between.get(), width, height, {}});
-  setup->places.push_back({"scale_0.75", &setup->at, scaled(width, 0.75), scaled(height, 0.75), {}});
-  setup->places.push_back({"scale_1.5", &setup->at, scaled(width, 1.5), scaled(height, 1.5), {}});
+  setup->places.push_back({"at", &setup->at, width, height, kSeed, {}});
+  setup->places.push_back({"other_seed", &setup->at, width, height, kOtherSeed, {}});
+  if (setup->between) setup->places.push_back({"between", setup->between.get(), width, height, kSeed, {}});
+  setup->places.push_back({"scale_0.75", &setup->at, scaled(width, 0.75), scaled(height, 0.75), kSeed, {}});
+  setup->places.push_back({"scale_1.5", &setup->at, scaled(width, 1.5), scaled(height, 1.5), kSeed, {}});
   return setup;
 }
 
@@ -259,7 +256,7 @@ class Measurement {
     gpu_ = std::move(gpu.value());
     trace_places(*setup_, options.samples_per_pixel, progress);
     const Place& at = setup_->places.front();
-    key_ = frame_key(scene_key(*at.scene), *at.scene, {}, trace_options(at, options.samples_per_pixel, kSeed));
+    key_ = frame_key(scene_key(*at.scene), *at.scene, {}, trace_options(at, options.samples_per_pixel));
     store.save_frame(key_, *at.scene, at.truth);
   }
 
@@ -319,7 +316,7 @@ class Measurement {
   void start_pictures(std::span<const DrawnObject> objects, const std::vector<size_t>& measured) {
     for (const size_t i : measured) {
       const Codes truth = traced_codes(setup_->places.front().truth, objects[i].object, exposure());
-      const Codes other = in_window_of(traced_codes(setup_->other_seed, objects[i].object, exposure()), truth);
+      const Codes other = in_window_of(traced_codes(setup_->places[1].truth, objects[i].object, exposure()), truth);
       quality_.objects.push_back(
           {scene_.objects[static_cast<size_t>(objects[i].object)].name, psnr_of(truth, other), crop_of(truth), {}});
     }

@@ -38,7 +38,8 @@ struct InferenceQualityOptions {
 struct QualityRow {
   TextureMethod method;
   SurfaceFilter filter;
-  std::string where;  // "at" the sample, "between" two, "scale_0.75", "scale_1.5": the sample with other picture sizes
+  // "at" the sample, "other_seed" there, "between" two, "scale_0.75", "scale_1.5": the sample with other picture sizes.
+  std::string where;
   std::string object;
   double psnr_db = 0;  // 8-bit sRGB
 };
@@ -46,8 +47,7 @@ struct QualityRow {
 // An object at the sample, cut out of the picture; grey where it does not count.
 struct ObjectPictures {
   std::string object;
-  double noise_db =
-      0;  // PSNR between two traced pictures of it with different seeds: textures that know one cannot do better by the other
+  double noise_db = 0;  // PSNR between two traced pictures of it with different seeds
   Picture truth;
   struct Drawn {
     TextureMethod method;

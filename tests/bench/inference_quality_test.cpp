@@ -181,7 +181,7 @@ TEST(InferenceQuality, LeastSquaresReproduceTheSampleBetterThanTheirPeers) {
                         [&](const QualityRow& r) { return r.method == method && r.where == "at"; })
         ->psnr_db;
   };
-  EXPECT_EQ(quality.rows.size(), 12u);
+  EXPECT_EQ(quality.rows.size(), 15u);
   EXPECT_GT(at_sample(TextureMethod::kLeastSquares), at_sample(TextureMethod::kForward) + 2);
   EXPECT_GT(at_sample(TextureMethod::kLeastSquares), at_sample(TextureMethod::kTraced) + 3);
   for (const QualityRow& row : quality.rows) EXPECT_EQ(row.object, "cup");
