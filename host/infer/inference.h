@@ -30,6 +30,7 @@ struct DrawnObject {
   int object = 0;                    // index into Scene::objects
   std::vector<MeshVertex> vertices;  // node space
   std::vector<uint32_t> indices;
+  std::vector<uint32_t> triangles;  // per triangle of `indices`: its number in the object's Geometry
   uint32_t culled_index_count = 0;  // the first of them are single-sided
   int texture_width = 0, texture_height = 0;
 };

@@ -123,6 +123,7 @@ DrawnObject make_drawn_object(const Scene& scene, int object_index, const glm::m
   const auto add = [&](bool culled) {
     for (size_t t = 0; 3 * t + 2 < object.geometry.indices.size(); ++t) {
       if (is_culled(scene, object, t) != culled) continue;
+      drawn.triangles.push_back(static_cast<uint32_t>(t));
       for (size_t i = 3 * t; i < 3 * t + 3; ++i) {
         const glm::vec3& p = object.geometry.positions[object.geometry.indices[i]];
         drawn.indices.push_back(table.index_of({p.x, p.y, p.z, corners[i].x, corners[i].y}, drawn.vertices));

@@ -36,29 +36,6 @@ std::vector<Lanes<1>> all_levels(const Pyramid& pyramid, const LinearTexture& te
   return texels;
 }
 
-// What SceneDrawer::resolve computes, in linear light.
-std::vector<glm::vec3> resolve(std::span<const glm::vec4> samples, int width, int height, int supersampling) {
-  const ResolveTaps taps = resolve_taps(supersampling);
-  std::vector<glm::vec3> picture(static_cast<size_t>(width) * static_cast<size_t>(height));
-  const int columns = width * supersampling, rows = height * supersampling;
-  for (int y = 0; y < height; ++y)
-    for (int x = 0; x < width; ++x) {
-      glm::vec3 sum(0);
-      float weights = 0;
-      for (int j = 0; j < taps.count; ++j)
-        for (int i = 0; i < taps.count; ++i) {
-          const int sx = x * supersampling + taps.first + i, sy = y * supersampling + taps.first + j;
-          if (sx < 0 || sy < 0 || sx >= columns || sy >= rows) continue;
-          const float weight = taps.weight[static_cast<size_t>(i)] * taps.weight[static_cast<size_t>(j)];
-          sum += weight *
-                 glm::vec3(samples[static_cast<size_t>(rows - 1 - sy) * static_cast<size_t>(columns) + static_cast<size_t>(sx)]);
-          weights += weight;
-        }
-      picture[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)] = sum / weights;
-    }
-  return picture;
-}
-
 bool is_one_of(std::span<const Layer> layers, const Field& field) {
   return std::any_of(layers.begin(), layers.end(), [&](Layer layer) { return field.layer == layer_name(layer); });
 }
@@ -106,6 +83,27 @@ hal::Texture upload_texture(hal::Gpu& gpu, SceneDrawer& drawer, const LinearText
   return create_pyramid_texture(gpu, drawer, pyramid, hal::TextureFormat::kRgba16f, std::as_bytes(std::span(halves)));
 }
 
+std::vector<glm::vec4> resolve_linear(std::span<const glm::vec4> samples, int width, int height, int supersampling) {
+  const ResolveTaps taps = resolve_taps(supersampling);
+  std::vector<glm::vec4> picture(static_cast<size_t>(width) * static_cast<size_t>(height));
+  const int columns = width * supersampling, rows = height * supersampling;
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
+      glm::vec4 sum(0);
+      float weights = 0;
+      for (int j = 0; j < taps.count; ++j)
+        for (int i = 0; i < taps.count; ++i) {
+          const int sx = x * supersampling + taps.first + i, sy = y * supersampling + taps.first + j;
+          if (sx < 0 || sy < 0 || sx >= columns || sy >= rows) continue;
+          const float weight = taps.weight[static_cast<size_t>(i)] * taps.weight[static_cast<size_t>(j)];
+          sum += weight * samples[static_cast<size_t>(rows - 1 - sy) * static_cast<size_t>(columns) + static_cast<size_t>(sx)];
+          weights += weight;
+        }
+      picture[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)] = sum / weights;
+    }
+  return picture;
+}
+
 std::vector<glm::vec3> draw_inferred(const Store& store, const Scene& scene, const Inference& inference,
                                      std::span<const Layer> layers, const InferenceOptions& options, hal::Gpu& gpu,
                                      int64_t grid_sample) {
@@ -119,7 +117,10 @@ std::vector<glm::vec3> draw_inferred(const Store& store, const Scene& scene, con
   const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
   renderer.render(geometry_state_at(scene, grid_sample, inference.objects, aspect), textures, samples);
   for (const hal::Texture texture : textures) gpu.destroy(texture);
-  return resolve(samples, options.width, options.height, options.supersampling);
+  std::vector<glm::vec3> picture;
+  for (const glm::vec4& pixel : resolve_linear(samples, options.width, options.height, options.supersampling))
+    picture.emplace_back(pixel);
+  return picture;
 }
 
 }  // namespace vitrine

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 #include <span>
 #include <vector>
 
@@ -34,6 +35,10 @@ LinearTexture load_object_texture(const Store& store, const Scene& scene, const 
 // A texture on the device with all MIP levels by decimation (target/mip.h), as the engine makes them. `format`: kRgba32f or
 // kRgba16f. Throws InputError where the device refuses.
 hal::Texture upload_texture(hal::Gpu& gpu, SceneDrawer& drawer, const LinearTexture& texture, hal::TextureFormat format);
+
+// What SceneDrawer::resolve computes of a supersampled picture (rows bottom first, as TestRenderer gives it), in linear light:
+// `width` x `height` pixels, rows top first.
+std::vector<glm::vec4> resolve_linear(std::span<const glm::vec4> samples, int width, int height, int supersampling);
 
 // The picture at a grid sample drawn with the sums of `layers` of the inferred textures, resolved with the pixel filter: linear
 // radiance, rows top first, `options.width` x `options.height`. kLayers gives what the frames show; one layer alone what it

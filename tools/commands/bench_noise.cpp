@@ -1,10 +1,8 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <nlohmann/json.hpp>
 
 #include "host/bench/noise_costs.h"
@@ -14,28 +12,10 @@
 #include "tools/commands/commands.h"
 #include "tools/commands/print_json.h"
 #include "tools/commands/scene_input.h"
+#include "tools/commands/work_folder.h"
 
 namespace vitrine {
 namespace {
-
-// A folder that goes away again, or one that was named and stays.
-class WorkFolder {
- public:
-  explicit WorkFolder(const std::string& named) : kept_(!named.empty()) {
-    path_ = kept_ ? std::filesystem::path(named) : std::filesystem::temp_directory_path() / fmt::format("vitrine-bench-{}", getpid());
-  }
-  ~WorkFolder() {
-    std::error_code ignored;
-    if (!kept_) std::filesystem::remove_all(path_, ignored);
-  }
-  WorkFolder(const WorkFolder&) = delete;
-  WorkFolder& operator=(const WorkFolder&) = delete;
-  const std::filesystem::path& path() const { return path_; }
-
- private:
-  bool kept_;
-  std::filesystem::path path_;
-};
 
 void keep_views(Scene& scene, int views) {
   const AxisMask camera = only_camera_axes(scene);

@@ -97,6 +97,17 @@ void add_bench_noise(CLI::App& bench, BenchNoiseCommand& options) {
   command->footer("Example: vitrine bench noise shop --preset small --even 16");
 }
 
+void add_bench_inference(CLI::App& bench, BenchInferenceCommand& options) {
+  CLI::App* command = bench.add_subcommand("inference", "Inferred textures beside forward-mapped and directly traced ones, through every filter, at the middle sample of all axes");
+  command->add_option("SCENE", options.scene, "Folder with scene.toml, or a .toml file")->required()->check(kNotEmpty);
+  command->add_option("--object", options.object, "The only object to measure (default: all that are drawn)")->check(kNotEmpty);
+  command->add_option("--size", options.size, "WIDTHxHEIGHT instead of the scene's")->check(kNotEmpty);
+  command->add_option("--spp", options.samples_per_pixel, "Camera rays of every pixel, and rays of every texel that is traced directly")->capture_default_str()->check(CLI::Range(1, 1 << 16));
+  command->add_option("--sheet", options.sheet, "Write a contact sheet (PNG): truth and the three methods, trilinear and with 4 taps")->check(kNotEmpty);
+  add_common_options(*command, options.common);
+  command->footer("Example: vitrine bench inference shop --size 320x240 --sheet methods.png");
+}
+
 std::string name_of_command(const CLI::App& app) {
   const std::vector<CLI::App*> commands = app.get_subcommands();
   return commands.empty() ? "vitrine" : "vitrine " + commands.front()->get_name();
@@ -115,6 +126,7 @@ struct Commands {
   VerifyCommand verify;
   BenchTraceCommand bench_trace;
   BenchNoiseCommand bench_noise;
+  BenchInferenceCommand bench_inference;
 };
 
 std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
@@ -124,6 +136,7 @@ std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
   if (app.got_subcommand("inspect")) return [command = commands.inspect] { command.run(); };
   if (app.got_subcommand("verify")) return [command = commands.verify] { command.run(); };
   if (app.get_subcommand("bench")->got_subcommand("noise")) return [command = commands.bench_noise] { command.run(); };
+  if (app.get_subcommand("bench")->got_subcommand("inference")) return [command = commands.bench_inference] { command.run(); };
   return [command = commands.bench_trace] { command.run(); };
 }
 
@@ -145,6 +158,7 @@ std::function<void()> parse_command_line(int argc, char** argv) {
   bench->footer("Example: vitrine bench trace shop");
   add_bench_trace(*bench, commands.bench_trace);
   add_bench_noise(*bench, commands.bench_noise);
+  add_bench_inference(*bench, commands.bench_inference);
   // CLI11 would only say that a subcommand is missing.
   if (argc > 1 && argv[1][0] != '-' && !has_command(app, argv[1]))
     throw UsageError(std::string("there is no command \"") + argv[1] + "\": use new, render, compile, inspect, verify or bench: see vitrine --help");

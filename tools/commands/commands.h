@@ -69,6 +69,13 @@ struct BenchNoiseCommand {
   void run() const;
 };
 
+struct BenchInferenceCommand {
+  std::string scene, object, size, sheet;
+  int samples_per_pixel = 256;
+  CommonOptions common;
+  void run() const;
+};
+
 // Progress as the options ask: silent, a terminal line, or plain lines, always on stderr.
 std::unique_ptr<Progress> make_progress(const CommonOptions& options);
 // Limits all stages to `jobs` threads for the life of the returned object.

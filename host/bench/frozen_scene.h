@@ -1,0 +1,20 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// A scene that stands still: what benchmarks of a single sample take.
+#pragma once
+
+#include <optional>
+
+#include "host/scene/scene.h"
+
+namespace vitrine {
+
+// The grid sample in the middle of all axes (the lower of two), and the position half a step on along every axis that moves the
+// camera; nothing where no axis does.
+Position middle_position(const Scene& scene);
+std::optional<Position> half_step_on(const Scene& scene, const Position& sample);
+
+// The scene as it is at `position`, with one sample along every axis. Throws InputError where an axis deforms an object.
+Scene frozen_at(const Scene& scene, const Position& position);
+
+}  // namespace vitrine
