@@ -76,9 +76,9 @@ float flatness(const trace::PosedObject& object) {
 }
 
 // Of all views, those that a texel is seen in, and seen well. Of a sheet they are nearly all; of a convex object that the views
-// go around less than half, and few of these see it squarely: on tests/scenes/table 23 of 64, as measured by `bench noise`.
+// go around less than half, and few of these see it squarely: on tests/scenes/table a third, as measured by `bench noise`.
 std::vector<float> views_of_texels(const trace::World& world, int views) {
-  constexpr float kOfRound = 0.36f;
+  constexpr float kOfRound = 0.33f;
   std::vector<float> result;
   for (const trace::PosedObject& object : world.objects())
     result.push_back(std::max(1.0f, static_cast<float>(views) * (kOfRound + (1 - kOfRound) * flatness(object))));
