@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <stdexcept>
 
@@ -47,6 +48,17 @@ struct InferenceRun::StateObject {
 struct InferenceRun::StateData {
   std::vector<Frame> frames;                                       // as table_.samples_of_state
   std::vector<std::vector<std::unique_ptr<StateObject>>> objects;  // per drawn object, one for every way it is laid out
+};
+
+struct InferenceRun::Device {
+  TestRenderer renderer;
+  std::map<std::vector<TextureSize>, std::unique_ptr<MatrixReader>> readers;  // by the sizes of all objects' textures
+
+  MatrixReader& reader_of(const std::vector<TextureSize>& sizes, const GeometryState& state) {
+    std::unique_ptr<MatrixReader>& reader = readers[sizes];
+    if (!reader) reader = make_matrix_reader(renderer, sizes, state);
+    return *reader;
+  }
 };
 
 InferenceRun::InferenceRun(const Scene& scene, const std::vector<StoreKey>& frames, const Store& store, hal::Gpu& gpu,
@@ -200,11 +212,10 @@ void InferenceRun::solve_missing(Progress& progress) {
                                                      SolverOptions{options_.regularization, options_.iterations});
       }
     {
-      TestRenderer renderer(gpu_, options_, inference_.objects);
+      Device device{TestRenderer(gpu_, options_, inference_.objects), {}};
       const size_t batch = batch_size();
       for (size_t begin = 0; begin < states.size(); begin += batch)
-        process_batch(std::span(states).subspan(begin, std::min(batch, states.size() - begin)), renderer, progress);
-      readers_.clear();
+        process_batch(std::span(states).subspan(begin, std::min(batch, states.size() - begin)), device, progress);
     }
     solve_stacks(progress);
     finish_importance();
@@ -212,10 +223,10 @@ void InferenceRun::solve_missing(Progress& progress) {
   progress.end();
 }
 
-void InferenceRun::process_batch(std::span<const int> batch, TestRenderer& renderer, Progress& progress) {
+void InferenceRun::process_batch(std::span<const int> batch, Device& device, Progress& progress) {
   progress.advance(0);
   load_frames(batch);
-  read_matrices(batch, renderer);
+  read_matrices(batch, device);
   build_observations(batch);
   gather(batch);
   solve_single(batch, progress);
@@ -223,7 +234,7 @@ void InferenceRun::process_batch(std::span<const int> batch, TestRenderer& rende
 }
 
 // A rendering shows every object with one texture, so a state is rendered as often as its objects have ways to be laid out.
-void InferenceRun::read_matrices(std::span<const int> batch, TestRenderer& renderer) {
+void InferenceRun::read_matrices(std::span<const int> batch, Device& device) {
   struct Rendering {
     int state = 0;
     GeometryState geometry;
@@ -255,11 +266,9 @@ void InferenceRun::read_matrices(std::span<const int> batch, TestRenderer& rende
     }
   }
   for (auto& [sizes, same] : renderings) {
-    std::unique_ptr<MatrixReader>& reader = readers_[sizes];
-    if (!reader) reader = make_matrix_reader(renderer, sizes, same.front().geometry);
     std::vector<const GeometryState*> geometry;
     for (const Rendering& rendering : same) geometry.push_back(&rendering.geometry);
-    std::vector<StateMatrix> matrices = reader->read(geometry);
+    std::vector<StateMatrix> matrices = device.reader_of(sizes, same.front().geometry).read(geometry);
     for (size_t r = 0; r < same.size(); ++r)
       for (size_t i = 0; i < same[r].objects.size(); ++i)
         if (same[r].objects[i]) same[r].objects[i]->matrix = std::move(matrices[r][i]);

@@ -7,7 +7,6 @@
 // that reaches a texture is added in the order of states, whatever the number of threads.
 #pragma once
 
-#include <map>
 #include <memory>
 #include <vector>
 
@@ -33,6 +32,7 @@ class InferenceRun {
  private:
   struct StateObject;  // matrix, filter and weights of one object in one state, drawn with one texture
   struct StateData;
+  struct Device;  // what reads matrices
   // What a state's grid samples show: a field by one of its maps.
   struct Shown {
     int field = 0;
@@ -49,9 +49,9 @@ class InferenceRun {
 
   std::vector<int> needed_states() const;
   size_t batch_size() const;
-  void process_batch(std::span<const int> batch, TestRenderer& renderer, Progress& progress);
+  void process_batch(std::span<const int> batch, Device& device, Progress& progress);
   void load_frames(std::span<const int> batch);
-  void read_matrices(std::span<const int> batch, TestRenderer& renderer);
+  void read_matrices(std::span<const int> batch, Device& device);
   void build_observations(std::span<const int> batch);
   void gather(std::span<const int> batch);
   void solve_single(std::span<const int> batch, Progress& progress);
@@ -76,14 +76,13 @@ class InferenceRun {
   size_t stride_;
   Inference& inference_;
 
-  std::vector<Pyramid> pyramids_;                                              // per field
-  std::vector<std::vector<Shown>> shown_;                                      // per state
-  std::map<std::vector<TextureSize>, std::unique_ptr<MatrixReader>> readers_;  // by the sizes of all objects' textures
-  std::vector<SolveGroup> groups_;                                             // only with textures that are missing
-  std::vector<std::unique_ptr<TextureSolver>> stacks_;                         // per group that sees many states
-  std::vector<std::unique_ptr<StateData>> data_;                               // per state, while it is needed
-  std::vector<StoreKey> importance_keys_;                                      // per field
-  std::vector<std::vector<float>> importance_;  // per field, all levels; empty where the store has it
+  std::vector<Pyramid> pyramids_;                       // per field
+  std::vector<std::vector<Shown>> shown_;               // per state
+  std::vector<SolveGroup> groups_;                      // only with textures that are missing
+  std::vector<std::unique_ptr<TextureSolver>> stacks_;  // per group that sees many states
+  std::vector<std::unique_ptr<StateData>> data_;        // per state, while it is needed
+  std::vector<StoreKey> importance_keys_;               // per field
+  std::vector<std::vector<float>> importance_;          // per field, all levels; empty where the store has it
 };
 
 }  // namespace vitrine
