@@ -90,7 +90,7 @@ void lay_out_fields(const Scene& scene, const std::vector<ObjectLight>& lights, 
     const auto drawn = static_cast<size_t>(field.drawn_object);
     const auto number = static_cast<size_t>(inference.objects[drawn].object);
     const Object& object = scene.objects[number];
-    LayoutOptions layout{options.fit, options.max_texture_size, scene.settings.interpolate};
+    LayoutOptions layout{options.fit, options.max_texture_size, options.layout, scene.settings.interpolate};
     layout.fit.texels_per_pixel *= object.resolution_scale;
     if (is_constant_backdrop(object, lights[number])) layout.max_size = 8;
     std::vector<const VisibleSurface*> own;

@@ -76,12 +76,18 @@ struct TextureFitOptions {
   float texels_per_pixel = 1.0f;  // along one dimension: scales the map that keeps to the bound
 };
 
+enum class TextureLayout : uint8_t {
+  kFitted,       // a map for what each block shows
+  kWholeDomain,  // the mesh's own coordinates as they are: what fitted ones are measured against
+};
+
 struct InferenceOptions {
   int width = 640, height = 480, supersampling = 2;
   SurfaceFilter filter = SurfaceFilter::kTrilinear;  // with which the target will read textures
   float regularization = 0.3f;                       // e_f
   int iterations = 40;                               // of conjugate gradients, at most
-  TextureFitOptions fit;                             // texels_per_pixel: before the objects' own scales
+  TextureLayout layout = TextureLayout::kFitted;
+  TextureFitOptions fit;  // texels_per_pixel: before the objects' own scales
   int max_texture_size = 1024;
   // Rendering matrices held at once. Where all views need more, layers that do not depend on the view are solved over every
   // n-th of them only, and Inference::warnings says so.

@@ -102,11 +102,13 @@ Rectangle rectangle_of(std::span<const glm::vec2> points, const glm::mat2& map) 
 glm::mat2 turn_by(float angle) { return {std::cos(angle), std::sin(angle), -std::sin(angle), std::cos(angle)}; }
 
 // With as few more texels as keep the stretch below the bound.
-glm::mat2 within_bound(std::span<const SurfaceSample> samples, glm::mat2 linear, const TextureFitOptions& options) {
+glm::mat2 within_bound(std::span<const SurfaceSample> samples, glm::mat2 linear, const TextureFitOptions& options, MapKind kind) {
   for (int step = 0; step < kStretchSteps; ++step) {
-    const Stretch stretch = greatest_stretch(samples, linear, options.stretch_share);
+    Stretch stretch = greatest_stretch(samples, linear, options.stretch_share);
     if (!(stretch.pixels > options.stretch_bound)) break;
     const float factor = stretch.pixels / options.stretch_bound * 1.001f;
+    if (kind == MapKind::kScales)  // along the nearer axis
+      stretch.direction = std::fabs(stretch.direction.x) > std::fabs(stretch.direction.y) ? glm::vec2(1, 0) : glm::vec2(0, 1);
     linear = (glm::mat2(1) + (factor - 1) * glm::outerProduct(stretch.direction, stretch.direction)) * linear;
   }
   return linear;
@@ -144,10 +146,15 @@ double isometry_error(std::span<const SurfaceSample> samples, const glm::dmat2& 
 }
 
 // Polak and Ribiere's directions, restarted where they no longer descend; steps by halving until the error falls.
-glm::mat2 most_isometric_map(std::span<const SurfaceSample> all) {
+glm::mat2 most_isometric_map(std::span<const SurfaceSample> all, MapKind kind) {
   const std::vector<SurfaceSample> samples = thinned(all);
+  const auto error_of = [&](const glm::dmat2& at, glm::dmat2* slopes) {
+    const double error = isometry_error(samples, at, slopes);
+    if (kind == MapKind::kScales) (*slopes)[0][1] = (*slopes)[1][0] = 0;
+    return error;
+  };
   glm::dmat2 map = first_map(samples), gradient, direction(0);
-  double error = isometry_error(samples, map, &gradient), square = inner(gradient, gradient), step = 0.1;
+  double error = error_of(map, &gradient), square = inner(gradient, gradient), step = 0.1;
   double last_square = 0;
   glm::dmat2 last_gradient(0);
   for (int i = 0; i < kIterations && square > 0; ++i) {
@@ -160,7 +167,7 @@ glm::mat2 most_isometric_map(std::span<const SurfaceSample> all) {
     double next_error = error;
     for (; step > 1e-6; step /= 2) {
       next = map + step * unit * direction;
-      next_error = isometry_error(samples, next, &next_gradient);
+      next_error = error_of(next, &next_gradient);
       if (next_error < error) break;
     }
     if (!(next_error < error)) break;
@@ -215,7 +222,8 @@ TextureFit fit_texture(const VisibleSurface& surface, const TextureFitOptions& o
   TextureFit fit;
   fit.cut = {branch_cut(surface, 0), branch_cut(surface, 1)};
   const std::vector<SurfaceSample> samples = thinned(surface.samples());
-  const glm::mat2 stretched = options.texels_per_pixel * within_bound(samples, most_isometric_map(samples), options);
+  const glm::mat2 stretched =
+      options.texels_per_pixel * within_bound(samples, most_isometric_map(samples), options, MapKind::kLinear);
   std::vector<glm::vec2> outline = convex_hull(surface.outline(fit.cut));
   for (glm::vec2& point : outline) point = stretched * point;
   const glm::mat2 turn = turn_by(smallest_rectangle(outline));
@@ -224,6 +232,12 @@ TextureFit fit_texture(const VisibleSurface& surface, const TextureFitOptions& o
   fit.low = bounds.low;
   fit.size = bounds.size();
   return fit;
+}
+
+glm::vec2 whole_domain_size(const VisibleSurface& surface, const TextureFitOptions& options) {
+  const std::vector<SurfaceSample> samples = thinned(surface.samples());
+  const glm::mat2 map = within_bound(samples, most_isometric_map(samples, MapKind::kScales), options, MapKind::kScales);
+  return options.texels_per_pixel * glm::vec2(map[0][0], map[1][1]);
 }
 
 TextureMap map_of(const TextureFit& fit, int width, int height) {

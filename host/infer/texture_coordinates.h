@@ -24,6 +24,9 @@ struct TextureFit {
 // `surface` is visible.
 TextureFit fit_texture(const VisibleSurface& surface, const TextureFitOptions& options);
 
+// Texels along u and v that the whole domain [0, 1]^2 needs where it is only scaled, to the same options.
+glm::vec2 whole_domain_size(const VisibleSurface& surface, const TextureFitOptions& options);
+
 // The fit in the middle of a texture of `width` x `height` texels; what would not go into it within kTextureMargin is squeezed.
 inline constexpr int kTextureMargin = 2;  // texels
 TextureMap map_of(const TextureFit& fit, int width, int height);
@@ -37,8 +40,9 @@ float branch_cut(const VisibleSurface& surface, int dimension);
 // Equation 3.1: how far from lengths on the screen those in the texture are, along steps from pixel to pixel (axes and diagonals)
 // in place of the edges of triangles, which say nothing of a large one's inside. `gradient`: d/d linear, may be null.
 double isometry_error(std::span<const SurfaceSample> samples, const glm::dmat2& linear, glm::dmat2* gradient);
-// Its minimum, by conjugate gradients; without a rotation, which the error does not see.
-glm::mat2 most_isometric_map(std::span<const SurfaceSample> samples);
+// Its minimum, by conjugate gradients; without a rotation, which the error does not see. kScales: u and v are only scaled.
+enum class MapKind : uint8_t { kLinear, kScales };
+glm::mat2 most_isometric_map(std::span<const SurfaceSample> samples, MapKind kind = MapKind::kLinear);
 
 // The greatest stretch of a texel on the screen that `share` of the samples keep to, in pixels, and its direction in the texture.
 struct Stretch {

@@ -58,6 +58,22 @@ TextureFit fit_states(std::span<const VisibleSurface* const> surfaces, const std
   return together.visible() ? fit_texture(together, options) : TextureFit{};
 }
 
+std::vector<int> all_states(size_t count) {
+  std::vector<int> states(count);
+  std::iota(states.begin(), states.end(), 0);
+  return states;
+}
+
+void lay_out_whole(std::span<const VisibleSurface* const> surfaces, const LayoutOptions& options, Field& field) {
+  VisibleSurface together;
+  for (const VisibleSurface* surface : surfaces) together.merge(*surface);
+  const glm::vec2 size = together.visible() ? whole_domain_size(together, options.fit) : glm::vec2(0);
+  field.texture_width = fitted_size(size.x, options.max_size);
+  field.texture_height = fitted_size(size.y, options.max_size);
+  field.maps.resize(1);
+  field.block_maps.clear();
+}
+
 }  // namespace
 
 std::vector<std::vector<int>> states_of_blocks(const StateTable& states, const ParameterSpace& space, const Field& field) {
@@ -79,12 +95,9 @@ std::vector<std::vector<int>> states_of_blocks(const StateTable& states, const P
 
 void lay_out(const StateTable& states, const ParameterSpace& space, std::span<const VisibleSurface* const> surfaces,
              const LayoutOptions& options, Field& field) {
+  if (options.layout == TextureLayout::kWholeDomain) return lay_out_whole(surfaces, options, field);
   std::vector<std::vector<int>> blocks = states_of_blocks(states, space, field);
-  if (options.one_map) {
-    std::vector<int> all(surfaces.size());
-    std::iota(all.begin(), all.end(), 0);
-    blocks.assign(1, all);
-  }
+  if (options.one_map) blocks.assign(1, all_states(surfaces.size()));
   std::map<std::vector<int>, uint16_t> numbers;
   field.block_maps.clear();
   for (const auto& block : blocks)

@@ -17,6 +17,7 @@ namespace vitrine {
 struct LayoutOptions {
   TextureFitOptions fit;
   int max_size = 1024;
+  TextureLayout layout = TextureLayout::kFitted;
   bool one_map = false;  // for all blocks: where samples of different blocks are blended
 };
 
