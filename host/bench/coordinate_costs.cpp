@@ -6,15 +6,14 @@
 #include <cmath>
 #include <map>
 
-#include "formats/color.h"
 #include "hal/backends.h"
 #include "host/base/error.h"
 #include "host/bench/frozen_scene.h"
+#include "host/bench/object_pictures.h"
 #include "host/compile/compile.h"
+#include "host/infer/geometry_states.h"
 #include "host/infer/parameterization.h"
 #include "host/infer/verification.h"
-#include "host/verify/reference.h"
-#include "host/verify/verify.h"
 
 namespace vitrine {
 namespace {
@@ -40,44 +39,29 @@ std::vector<StoreKey> trace_frames(const Scene& scene, int samples_per_pixel, co
   return keys;
 }
 
-// Squared errors of 8-bit codes over the pixels that an object covers by half or more.
-struct Error {
-  double squares = 0;
-  int64_t values = 0;
-};
-
-void add_errors(const Frame& frame, const std::vector<glm::vec3>& drawn, float exposure, std::map<int, Error>& errors) {
-  for (const ObjectFrame& o : frame.objects)
-    for (int i = 0; i < o.width * o.height; ++i) {
-      if (o.coverage[static_cast<size_t>(i)] < 0.5f) continue;
-      const auto pixel = static_cast<size_t>((o.y + i / o.width) * frame.width + o.x + i % o.width);
-      Error& error = errors[o.object];
-      for (int c = 0; c < 3; ++c) {
-        const int difference =
-            srgb8_from_radiance(exposure * frame.combined[pixel][c]) - srgb8_from_radiance(exposure * drawn[pixel][c]);
-        error.squares += difference * difference;
-      }
-      error.values += 3;
-    }
-}
-
 // Texels and quality per object with textures of one layout and scale.
 std::map<int, TexelPoint> measure(const Scene& scene, const std::vector<StoreKey>& frames, const InferenceOptions& options,
                                   const Store& store, hal::Gpu& gpu, Progress& progress) {
   const Inference inference = infer_textures(scene, frames, store, gpu, options, progress);
-  std::map<int, Error> errors;
+  const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
+  std::map<int, CodeError> errors;
   for (int64_t sample = 0; sample < scene.space().sample_count(); ++sample) {
     const auto frame = store.load_frame(frames[static_cast<size_t>(sample)], scene);
     if (!frame) throw InputError("work folder", "a frame is gone", "check that it has room, and that nothing else writes to it");
-    add_errors(*frame, draw_inferred(store, scene, inference, kLayers, options, gpu, sample), scene.settings.exposure, errors);
+    ObjectDrawer drawer(gpu, options, inference.objects, geometry_state_at(scene, sample, inference.objects, aspect));
+    for (size_t i = 0; i < inference.objects.size(); ++i) {
+      const int object = inference.objects[i].object;
+      const ObjectPicture truth = traced_object(*frame, object, scene.settings.exposure);
+      const auto textures = load_object_textures(store, scene, inference, kLayers, static_cast<int>(i), sample);
+      errors[object].add(truth, drawn_object(drawer.draw(i, textures), options.width, truth, scene.settings.exposure));
+    }
   }
   std::map<int, TexelPoint> points;
   for (const Field& field : inference.fields) {
     const int object = inference.objects[static_cast<size_t>(field.drawn_object)].object;
     points[object].texels += static_cast<double>(field.texture_width) * field.texture_height;
   }
-  for (auto& [object, point] : points)
-    point.psnr_db = psnr_db(errors[object].squares / static_cast<double>(std::max<int64_t>(1, errors[object].values)));
+  for (auto& [object, point] : points) point.psnr_db = errors[object].psnr();
   return points;
 }
 

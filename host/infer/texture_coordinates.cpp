@@ -12,8 +12,8 @@
 namespace vitrine {
 namespace {
 
-constexpr size_t kFewSamples = 20000;  // enough to fit four numbers
-constexpr int kIterations = 60;        // of conjugate gradients
+constexpr size_t kFewSamples = 20000, kSearchedSamples = 2500;  // enough to fit four numbers
+constexpr int kIterations = 60;                                 // of conjugate gradients
 constexpr int kStretchSteps = 100;
 constexpr int kTurns = 90;  // directions of rectangles in a quarter turn
 // A turned texture costs the coder more than the texels that a slight turn saves: lines of the surface no longer run along it.
@@ -23,8 +23,8 @@ const std::array<glm::dvec2, 4> kSteps = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};  /
 
 double inner(const glm::dmat2& a, const glm::dmat2& b) { return glm::dot(a[0], b[0]) + glm::dot(a[1], b[1]); }
 
-std::vector<SurfaceSample> thinned(std::span<const SurfaceSample> samples) {
-  const size_t stride = samples.size() / kFewSamples + 1;
+std::vector<SurfaceSample> thinned(std::span<const SurfaceSample> samples, size_t count = kFewSamples) {
+  const size_t stride = samples.size() / count + 1;
   std::vector<SurfaceSample> few;
   for (size_t i = 0; i < samples.size(); i += stride) few.push_back(samples[i]);
   return few;
@@ -106,12 +106,57 @@ glm::mat2 within_bound(std::span<const SurfaceSample> samples, glm::mat2 linear,
   for (int step = 0; step < kStretchSteps; ++step) {
     Stretch stretch = greatest_stretch(samples, linear, options.stretch_share);
     if (!(stretch.pixels > options.stretch_bound)) break;
-    const float factor = stretch.pixels / options.stretch_bound * 1.001f;
     if (kind == MapKind::kScales)  // along the nearer axis
       stretch.direction = std::fabs(stretch.direction.x) > std::fabs(stretch.direction.y) ? glm::vec2(1, 0) : glm::vec2(0, 1);
+    const float factor = stretch.pixels / options.stretch_bound * 1.001f;
     linear = (glm::mat2(1) + (factor - 1) * glm::outerProduct(stretch.direction, stretch.direction)) * linear;
   }
   return linear;
+}
+
+// A map scaled so that the stretch is just the bound, and the texels of its rectangle.
+struct Candidate {
+  glm::mat2 linear{1};
+  double texels = 1e300;
+};
+Candidate candidate_of(std::span<const SurfaceSample> samples, std::span<const glm::vec2> outline, const glm::mat2& shape,
+                       const TextureFitOptions& options) {
+  const float scale = greatest_stretch(samples, shape, options.stretch_share).pixels / options.stretch_bound;
+  const glm::mat2 linear = scale * shape;
+  std::vector<glm::vec2> mapped;
+  for (const glm::vec2& point : outline) mapped.push_back(linear * point);
+  const glm::vec2 size = rectangle_of(mapped, turn_by(smallest_rectangle(mapped))).size();
+  return {linear, static_cast<double>(size.x) * static_cast<double>(size.y)};
+}
+
+// exp of the traceless symmetric matrix (p, q; q, -p): stretches by exp(r) one way and by exp(-r) across it, r = |(p, q)|.
+glm::mat2 stretch_by(const glm::vec2& pq) {
+  const float r = glm::length(pq), c = std::cosh(r), s = r > 0 ? std::sinh(r) / r : 1;
+  return {c + s * pq.x, s * pq.y, s * pq.y, c - s * pq.x};
+}
+
+// An isometry's image of what is seen may fill its rectangle badly, as a rhombus does. So the chapter's map, and the one
+// that only scales, are where a search begins for that which keeps to the bound with the fewest texels: by steps of stretch
+// in eight directions, halved where none helps.
+glm::mat2 smallest_map(std::span<const SurfaceSample> all, std::span<const glm::vec2> outline, const TextureFitOptions& options) {
+  const std::vector<SurfaceSample> samples = thinned(all, kSearchedSamples);
+  Candidate best;
+  for (const MapKind kind : {MapKind::kScales, MapKind::kLinear}) {
+    const glm::mat2 start = within_bound(samples, most_isometric_map(samples, kind), options, kind);
+    const Candidate candidate = candidate_of(samples, outline, start, options);
+    if (candidate.texels < best.texels) best = candidate;
+  }
+  for (float step = 0.4f; step > 0.02f;) {
+    const Candidate before = best;
+    for (int direction = 0; direction < 8; ++direction) {
+      const float angle = std::numbers::pi_v<float> / 4 * static_cast<float>(direction);
+      const glm::mat2 shape = stretch_by(step * glm::vec2(std::cos(angle), std::sin(angle))) * before.linear;
+      const Candidate candidate = candidate_of(samples, outline, shape, options);
+      if (candidate.texels < best.texels) best = candidate;
+    }
+    if (best.texels > 0.999 * before.texels) step /= 2;
+  }
+  return best.linear;
 }
 
 }  // namespace
@@ -221,10 +266,8 @@ float smallest_rectangle(std::span<const glm::vec2> points) {
 TextureFit fit_texture(const VisibleSurface& surface, const TextureFitOptions& options) {
   TextureFit fit;
   fit.cut = {branch_cut(surface, 0), branch_cut(surface, 1)};
-  const std::vector<SurfaceSample> samples = thinned(surface.samples());
-  const glm::mat2 stretched =
-      options.texels_per_pixel * within_bound(samples, most_isometric_map(samples), options, MapKind::kLinear);
   std::vector<glm::vec2> outline = convex_hull(surface.outline(fit.cut));
+  const glm::mat2 stretched = options.texels_per_pixel * smallest_map(surface.samples(), outline, options);
   for (glm::vec2& point : outline) point = stretched * point;
   const glm::mat2 turn = turn_by(smallest_rectangle(outline));
   const Rectangle bounds = rectangle_of(outline, turn);
