@@ -37,6 +37,8 @@ struct FieldShape {
   // How many blocks lie along an axis, and in all.
   int blocks_along(int axis) const;
   int block_count() const;
+  // The block that holds the sample (row-major, last axis fastest).
+  int block_of(const GridIndex& sample) const;
   // Nodes of one block (edge blocks number theirs like a full one; cells without samples have no bytes), and in all.
   int nodes_per_block() const;
   int node_count() const { return block_count() * nodes_per_block(); }
