@@ -55,16 +55,16 @@ int FieldShape::block_count() const {
   return count;
 }
 
-int FieldShape::nodes_per_block() const {
-  int count = 0;
-  for (int level = 0; level < pyramid.level_count; ++level) count += cells_per_block(*this, level);
-  return count;
-}
-
 int FieldShape::block_of(const GridIndex& sample) const {
   int block = 0;
   for (int a = 0; a < space.axis_count; ++a) block = block * blocks_along(a) + (sample[a] + stagger[a]) / block_size[a];
   return block;
+}
+
+int FieldShape::nodes_per_block() const {
+  int count = 0;
+  for (int level = 0; level < pyramid.level_count; ++level) count += cells_per_block(*this, level);
+  return count;
 }
 
 int FieldShape::node_of(const GridIndex& sample, int level) const {

@@ -171,22 +171,22 @@ class ObjectDrawer {
     const Pyramid pyramid(1, 1);
     const glm::vec4 nothing(0);
     const auto texels = std::as_bytes(std::span(&nothing, 1));
-    textures_.assign(objects.size(),
-                     create_pyramid_texture(gpu, renderer_.drawer(), pyramid, hal::TextureFormat::kRgba32f, texels));
+    clear_ = create_pyramid_texture(gpu, renderer_.drawer(), pyramid, hal::TextureFormat::kRgba32f, texels);
   }
-  ~ObjectDrawer() {
-    if (!textures_.empty()) gpu_.destroy(textures_.front());
-  }
+  ~ObjectDrawer() { gpu_.destroy(clear_); }
   ObjectDrawer(const ObjectDrawer&) = delete;
   ObjectDrawer& operator=(const ObjectDrawer&) = delete;
 
   // Its light times its coverage, and its coverage, rows top first: black and clear textures leave the others' shapes alone.
-  std::vector<glm::vec4> draw(size_t object, const LinearTexture& texture) {
-    std::vector<hal::Texture> textures = textures_;
-    textures[object] = upload_texture(gpu_, renderer_.drawer(), texture, hal::TextureFormat::kRgba32f);
+  std::vector<glm::vec4> draw(size_t object, const std::vector<LaidTexture>& textures) {
+    std::vector<std::vector<SurfaceTexture>> surfaces(state_.mirrored.size(), {{clear_, {}}});
+    surfaces[object].clear();
+    for (const LaidTexture& laid : textures)
+      surfaces[object].push_back(
+          {upload_texture(gpu_, renderer_.drawer(), laid.texture, hal::TextureFormat::kRgba32f), laid.map});
     std::vector<glm::vec4> samples(static_cast<size_t>(renderer_.width()) * static_cast<size_t>(renderer_.height()));
-    renderer_.render(state_, textures, samples);
-    gpu_.destroy(textures[object]);
+    renderer_.render_surfaces(state_, surfaces, samples);
+    for (const SurfaceTexture& surface : surfaces[object]) gpu_.destroy(surface.texture);
     return resolve_linear(samples, place_.width, place_.height, kOwnSupersampling);
   }
 
@@ -195,13 +195,14 @@ class ObjectDrawer {
   const Place& place_;
   TestRenderer renderer_;
   GeometryState state_;
-  std::vector<hal::Texture> textures_;  // one and the same
+  hal::Texture clear_;
 };
 
-bool same_domain(const DrawnObject& a, const DrawnObject& b) {
-  const auto same = [](const MeshVertex& p, const MeshVertex& q) { return p.u == q.u && p.v == q.v; };
-  return a.object == b.object && a.texture_width == b.texture_width && a.texture_height == b.texture_height &&
-         std::equal(a.vertices.begin(), a.vertices.end(), b.vertices.begin(), b.vertices.end(), same);
+// How inference lays an object's textures out: in one state, all its layers alike.
+Placement placement_of(const Inference& inference, size_t object) {
+  for (const Field& field : inference.fields)
+    if (field.drawn_object == static_cast<int>(object)) return {field.size(), field.maps.front()};
+  return {};
 }
 
 // Textures that do not depend on the filter, made anew only where the filter has changed how the domain is cut.
@@ -209,35 +210,40 @@ class PeerTextures {
  public:
   PeerTextures(const Place& at, int samples) : at_(at), samples_(samples), tracer_(*at.scene) {}
 
-  void make(std::span<const DrawnObject> objects, const std::vector<size_t>& measured, Progress& progress) {
+  void make(const Inference& inference, const std::vector<size_t>& measured, Progress& progress) {
     progress.begin("trace textures", static_cast<int64_t>(measured.size()), 0, "objects");
     std::vector<Made> made;
     for (const size_t i : measured) {
-      made.push_back(take(objects[i]));
+      const DrawnObject& object = inference.objects[i];
+      const Placement placement = placement_of(inference, i);
+      made.push_back(take(object.object, placement));
       if (made.back().forward.texels.empty())
-        made.back() = make_one(objects[i], state_at(at_, objects).clip_from_object[i], progress);
+        made.back() = make_one(object, placement, state_at(at_, inference.objects).clip_from_object[i], progress);
       progress.advance(1);
     }
     progress.end();
     made_ = std::move(made);
   }
-  const LinearTexture& forward(size_t number) const { return made_[number].forward; }
-  const LinearTexture& traced(size_t number) const { return made_[number].traced; }
+  LaidTexture forward(size_t number) const { return {made_[number].forward, made_[number].placement.map}; }
+  LaidTexture traced(size_t number) const { return {made_[number].traced, made_[number].placement.map}; }
 
  private:
   struct Made {
-    DrawnObject object;
+    int object = -1;
+    Placement placement;
     LinearTexture forward, traced;
   };
-  Made take(const DrawnObject& object) {
+  Made take(int object, const Placement& placement) {
     for (Made& made : made_)
-      if (same_domain(made.object, object)) return std::move(made);
+      if (made.object == object && made.placement == placement) return std::move(made);
     return {};
   }
-  Made make_one(const DrawnObject& object, const glm::mat4& clip_from_object, Progress& progress) const {
+  Made make_one(const DrawnObject& object, const Placement& placement, const glm::mat4& clip_from_object,
+                Progress& progress) const {
     const PartialPicture layers = object_layers(at_.truth, object.object, 1 / at_.scene->settings.exposure);
     const TextureTraceOptions options{at_.width, at_.height, samples_, kSeed};
-    return {object, map_forward(object, clip_from_object, layers), tracer_.trace(object, options, progress)};
+    return {object.object, placement, map_forward(object, placement, clip_from_object, layers),
+            tracer_.trace(object, placement, options, progress)};
   }
 
   const Place& at_;
@@ -266,13 +272,12 @@ class Measurement {
       const Place& at = setup_->places.front();
       const Inference inference = infer_textures(*at.scene, {key_}, store_, *gpu_, options_at(at, filter), progress_);
       const std::vector<size_t> measured = measured_of(inference.objects);
-      quality_.matrices.push_back(
-          {filter, measure_matrix_costs(*gpu_, options_at(at, filter), inference.objects, state_at(at, inference.objects))});
-      peers.make(inference.objects, measured, progress_);
+      quality_.matrices.push_back({filter, measure_costs(at, filter, inference)});
+      peers.make(inference, measured, progress_);
       if (quality_.objects.empty()) start_pictures(inference.objects, measured);
       for (const TextureMethod method : kTextureMethods) {
-        std::vector<LinearTexture> textures;
-        for (size_t n = 0; n < measured.size(); ++n) textures.push_back(texture_by(method, inference, measured[n], peers, n));
+        std::vector<std::vector<LaidTexture>> textures;
+        for (size_t n = 0; n < measured.size(); ++n) textures.push_back(textures_by(method, inference, measured[n], peers, n));
         for (const Place& place : setup_->places) draw_all(place, method, filter, inference.objects, measured, textures);
       }
     }
@@ -306,11 +311,23 @@ class Measurement {
     return measured;
   }
 
-  LinearTexture texture_by(TextureMethod method, const Inference& inference, size_t object, const PeerTextures& peers,
-                           size_t number) const {
-    if (method == TextureMethod::kForward) return peers.forward(number);
-    if (method == TextureMethod::kTraced) return peers.traced(number);
-    return load_object_texture(store_, setup_->at, inference, kLayers, static_cast<int>(object), 0);
+  std::vector<LaidTexture> textures_by(TextureMethod method, const Inference& inference, size_t object, const PeerTextures& peers,
+                                       size_t number) const {
+    if (method == TextureMethod::kForward) return {peers.forward(number)};
+    if (method == TextureMethod::kTraced) return {peers.traced(number)};
+    return load_object_textures(store_, setup_->at, inference, kLayers, static_cast<int>(object), 0);
+  }
+
+  // Of a rendering in which every object has its textures' sizes and maps.
+  MatrixCosts measure_costs(const Place& at, SurfaceFilter filter, const Inference& inference) const {
+    std::vector<TextureSize> sizes;
+    GeometryState state = state_at(at, inference.objects);
+    for (size_t i = 0; i < inference.objects.size(); ++i) {
+      const Placement placement = placement_of(inference, i);
+      sizes.push_back(placement.size);
+      state.maps.push_back(placement.map);
+    }
+    return measure_matrix_costs(*gpu_, options_at(at, filter), inference.objects, sizes, state);
   }
 
   void start_pictures(std::span<const DrawnObject> objects, const std::vector<size_t>& measured) {
@@ -323,7 +340,7 @@ class Measurement {
   }
 
   void draw_all(const Place& place, TextureMethod method, SurfaceFilter filter, std::span<const DrawnObject> objects,
-                const std::vector<size_t>& measured, const std::vector<LinearTexture>& textures) {
+                const std::vector<size_t>& measured, const std::vector<std::vector<LaidTexture>>& textures) {
     ObjectDrawer drawer(*gpu_, place, filter, objects);
     for (size_t n = 0; n < measured.size(); ++n) {
       progress_.advance(0);

@@ -22,11 +22,11 @@ StateMatrix read_timed(MatrixReader& reader, const GeometryState& state, ReaderC
 }  // namespace
 
 MatrixCosts measure_matrix_costs(hal::Gpu& gpu, const InferenceOptions& options, std::span<const DrawnObject> objects,
-                                 const GeometryState& state) {
+                                 std::span<const TextureSize> sizes, const GeometryState& state) {
   MatrixCosts costs;
   TestRenderer renderer(gpu, options, objects);
-  IdentifierReader identifiers(renderer, objects);
-  CoordinateReader coordinates(renderer, objects);
+  IdentifierReader identifiers(renderer, sizes);
+  CoordinateReader coordinates(renderer, sizes);
   const StateMatrix a = read_timed(identifiers, state, costs.identifiers);
   const StateMatrix b = read_timed(coordinates, state, costs.coordinates);
   costs.largest_difference = largest_difference(a, b);

@@ -23,6 +23,6 @@ struct MatrixCosts {
 // Reads the matrix of all `objects` (texture sizes final) in one view twice and times the second reading, as what readers keep
 // from view to view is made by the first. `options`: the filter and the picture's size. Throws InputError where a device refuses.
 MatrixCosts measure_matrix_costs(hal::Gpu& gpu, const InferenceOptions& options, std::span<const DrawnObject> objects,
-                                 const GeometryState& state);
+                                 std::span<const TextureSize> sizes, const GeometryState& state);
 
 }  // namespace vitrine

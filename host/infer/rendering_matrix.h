@@ -48,9 +48,9 @@ class MatrixReader {
 // The largest difference of two weights of the same texel and sample; infinite where samples or objects differ.
 float largest_difference(const StateMatrix& a, const StateMatrix& b);
 
-// The fastest reader that is right on this device: by coordinates where they give what identifiers give in `state`. Texture
-// sizes of `objects` are final.
-std::unique_ptr<MatrixReader> make_matrix_reader(TestRenderer& renderer, std::span<const DrawnObject> objects,
+// The fastest reader that is right on this device: by coordinates where they give what identifiers give in `state`. `sizes`: of
+// the texture that each object is drawn with.
+std::unique_ptr<MatrixReader> make_matrix_reader(TestRenderer& renderer, std::span<const TextureSize> sizes,
                                                  const GeometryState& state);
 
 }  // namespace vitrine

@@ -1,7 +1,10 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 #include "host/infer/test_renderer.h"
 
+#include <iterator>
+
 #include "host/base/error.h"
+#include "host/infer/fields.h"
 
 namespace vitrine {
 namespace {
@@ -51,8 +54,8 @@ hal::Texture create_pyramid_texture(hal::Gpu& gpu, SceneDrawer& drawer, const Py
 TestRenderer::TestRenderer(hal::Gpu& gpu, const InferenceOptions& options, std::span<const DrawnObject> objects) : gpu_(&gpu) {
   if (!gpu.info().float_targets)
     throw InputError("graphics device", "it cannot render to floats", "compile on one that can (OSMesa does)");
-  drawer_ = checked(SceneDrawer::create(
-      gpu, {options.width, options.height, options.supersampling, hal::TextureFormat::kRgba32f, options.filter}));
+  drawer_ = checked(SceneDrawer::create(gpu, {options.width, options.height, options.supersampling, hal::TextureFormat::kRgba32f,
+                                              options.filter, static_cast<int>(std::size(kLayers))}));
   one_tap_ = checked(drawer_.create_program(kOneTap));
   coordinates_ = checked(drawer_.create_program(kCoordinates));
   for (const DrawnObject& object : objects) {
@@ -80,8 +83,20 @@ void TestRenderer::render_with(hal::Program program, int tap, const GeometryStat
     check(program.id ? drawer_.draw_with(program, glm::vec4(tap), meshes_[i], state.clip_from_object[i], mirrored, texture)
                      : drawer_.draw(meshes_[i], state.clip_from_object[i], mirrored, {&texture, 1}));
   }
+  read_back(pixels);
+}
+
+void TestRenderer::read_back(std::span<glm::vec4> pixels) {
   check(drawer_.end());
   check(gpu_->read_pixels(drawer_.supersampled(), hal::TextureFormat::kRgba32f, std::as_writable_bytes(pixels)));
+}
+
+void TestRenderer::render_surfaces(const GeometryState& state, std::span<const std::vector<SurfaceTexture>> surfaces,
+                                   std::span<glm::vec4> pixels) {
+  check(drawer_.begin());
+  for (size_t i = 0; i < meshes_.size(); ++i)
+    if (meshes_[i].mesh.id) check(drawer_.draw(meshes_[i], state.clip_from_object[i], state.mirrored[i] != 0, surfaces[i]));
+  read_back(pixels);
 }
 
 void TestRenderer::render(const GeometryState& state, std::span<const hal::Texture> textures, std::span<glm::vec4> pixels) {
