@@ -15,7 +15,8 @@ namespace {
 constexpr size_t kFewSamples = 20000, kSearchedSamples = 2500;  // enough to fit four numbers
 constexpr int kIterations = 60;                                 // of conjugate gradients
 constexpr int kStretchSteps = 100;
-constexpr int kTurns = 90;  // directions of rectangles in a quarter turn
+constexpr double kLargestStretch = 1e4;  // square pixels: what has no area in the texture counts no more
+constexpr int kTurns = 90;               // directions of rectangles in a quarter turn
 // A turned texture costs the coder more than the texels that a slight turn saves: lines of the surface no longer run along it.
 constexpr double kTurnPays = 0.97;
 
@@ -114,19 +115,27 @@ glm::mat2 within_bound(std::span<const SurfaceSample> samples, glm::mat2 linear,
   return linear;
 }
 
-// A map scaled so that the stretch is just the bound, and the texels of its rectangle.
+// Mean square of a texel's sides on the screen, in pixels, over all that is seen: what is lost between texels grows about so.
+double mean_square_stretch(std::span<const SurfaceSample> samples, const glm::mat2& linear) {
+  double sum = 0;
+  for (const SurfaceSample& sample : samples) {
+    const glm::dmat2 texels = glm::dmat2(linear) * glm::dmat2(sample.uv_per_pixel);
+    const double determinant = glm::determinant(texels);  // inverse and adjugate have columns of the same lengths but for it
+    sum += std::min(inner(texels, texels) / std::max(determinant * determinant, 1e-12), kLargestStretch);
+  }
+  return sum / static_cast<double>(samples.size());
+}
+
+// How many texels the map's rectangle has where they have unit mean square.
 struct Candidate {
   glm::mat2 linear{1};
   double texels = 1e300;
 };
-Candidate candidate_of(std::span<const SurfaceSample> samples, std::span<const glm::vec2> outline, const glm::mat2& shape,
-                       const TextureFitOptions& options) {
-  const float scale = greatest_stretch(samples, shape, options.stretch_share).pixels / options.stretch_bound;
-  const glm::mat2 linear = scale * shape;
+Candidate candidate_of(std::span<const SurfaceSample> samples, std::span<const glm::vec2> outline, const glm::mat2& linear) {
   std::vector<glm::vec2> mapped;
   for (const glm::vec2& point : outline) mapped.push_back(linear * point);
   const glm::vec2 size = rectangle_of(mapped, turn_by(smallest_rectangle(mapped))).size();
-  return {linear, static_cast<double>(size.x) * static_cast<double>(size.y)};
+  return {linear, static_cast<double>(size.x) * static_cast<double>(size.y) * mean_square_stretch(samples, linear)};
 }
 
 // exp of the traceless symmetric matrix (p, q; q, -p): stretches by exp(r) one way and by exp(-r) across it, r = |(p, q)|.
@@ -136,14 +145,13 @@ glm::mat2 stretch_by(const glm::vec2& pq) {
 }
 
 // An isometry's image of what is seen may fill its rectangle badly, as a rhombus does. So the chapter's map, and the one
-// that only scales, are where a search begins for that which keeps to the bound with the fewest texels: by steps of stretch
-// in eight directions, halved where none helps.
+// that only scales, are where a search begins for the shape that needs the fewest texels: by steps of stretch in eight
+// directions, halved where none helps. Then it is scaled to the bound.
 glm::mat2 smallest_map(std::span<const SurfaceSample> all, std::span<const glm::vec2> outline, const TextureFitOptions& options) {
   const std::vector<SurfaceSample> samples = thinned(all, kSearchedSamples);
   Candidate best;
   for (const MapKind kind : {MapKind::kScales, MapKind::kLinear}) {
-    const glm::mat2 start = within_bound(samples, most_isometric_map(samples, kind), options, kind);
-    const Candidate candidate = candidate_of(samples, outline, start, options);
+    const Candidate candidate = candidate_of(samples, outline, most_isometric_map(samples, kind));
     if (candidate.texels < best.texels) best = candidate;
   }
   for (float step = 0.4f; step > 0.02f;) {
@@ -151,12 +159,12 @@ glm::mat2 smallest_map(std::span<const SurfaceSample> all, std::span<const glm::
     for (int direction = 0; direction < 8; ++direction) {
       const float angle = std::numbers::pi_v<float> / 4 * static_cast<float>(direction);
       const glm::mat2 shape = stretch_by(step * glm::vec2(std::cos(angle), std::sin(angle))) * before.linear;
-      const Candidate candidate = candidate_of(samples, outline, shape, options);
+      const Candidate candidate = candidate_of(samples, outline, shape);
       if (candidate.texels < best.texels) best = candidate;
     }
     if (best.texels > 0.999 * before.texels) step /= 2;
   }
-  return best.linear;
+  return greatest_stretch(samples, best.linear, options.stretch_share).pixels / options.stretch_bound * best.linear;
 }
 
 }  // namespace
