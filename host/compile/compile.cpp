@@ -93,12 +93,19 @@ CodedPlanes coded_planes(const LinearTexture& texture) {
   return planes;
 }
 
+// Screen pixels that a field's object takes, in the mean over the ways it is laid out.
+double mean_pixels(const Field& field) {
+  double sum = 0;
+  for (const std::vector<float>& own : field.importance) sum += std::accumulate(own.begin(), own.end(), 0.0);
+  return sum / static_cast<double>(field.importance.size());
+}
+
 // Factors of the objects' squared errors where storage is shared out. An eye rests on a small glass as long as on a wall, so
 // an object's error counts for less than its pixels, but for more than the object itself: as their power of 2/3.
 std::vector<float> attention(const Inference& inference) {
   std::vector<double> pixels(inference.objects.size());
   for (const Field& field : inference.fields)
-    pixels[static_cast<size_t>(field.drawn_object)] = std::accumulate(field.importance.begin(), field.importance.end(), 0.0);
+    pixels[static_cast<size_t>(field.drawn_object)] = mean_pixels(field);
   const double mean =
       std::accumulate(pixels.begin(), pixels.end(), 0.0) / static_cast<double>(std::max<size_t>(1, pixels.size()));
   std::vector<float> factors;
@@ -114,7 +121,9 @@ FieldSource field_source(const Scene& scene, const Inference& inference, int num
   source.width = field.texture_width;
   source.height = field.texture_height;
   source.importance = field.importance;
-  for (float& importance : source.importance) importance *= attention;
+  for (std::vector<float>& own : source.importance)
+    for (float& importance : own) importance *= attention;
+  source.block_maps = field.block_maps;
   source.block_size = field.block_size;
   source.stagger = field.stagger;
   source.samples_shown = static_cast<double>(scene.space().sample_count()) / static_cast<double>(field.space.sample_count());

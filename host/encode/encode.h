@@ -19,7 +19,10 @@ using CodedPlanes = std::vector<int16_t>;
 struct FieldSource {
   ParameterSpace space;  // restricted to the field's axes
   int width = 0, height = 0;
-  std::vector<float> importance;             // per texel, screen pixels per texel (may hold zeros: texels that are never seen)
+  // Per texel, screen pixels per texel (may hold zeros: texels that are never seen), for each way in which blocks lie on the
+  // mesh; and which of them each block has (as FieldShape numbers blocks; empty: all the first).
+  std::vector<std::vector<float>> importance;
+  std::vector<uint16_t> block_maps;
   AxisSizes block_size{}, stagger{};         // host/base/field_blocks.h
   double samples_shown = 1;                  // grid samples of the whole space that one texture of this field serves
   std::function<CodedPlanes(int64_t)> load;  // texture of a flat field sample; called from several threads

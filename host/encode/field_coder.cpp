@@ -53,30 +53,36 @@ void average(const std::vector<const CodedPlanes*>& leaves, CodedPlanes& mean) {
   }
 }
 
-}  // namespace
-
-void weigh_texels(const std::vector<float>& importance, double samples_shown, FieldTextures& textures) {
-  textures.importance = importance;
-  double sum = 0, squares = 0;
-  for (const float w : importance) sum += w, squares += static_cast<double>(w) * w;
-  const double mean = importance.empty() ? 0 : sum / static_cast<double>(importance.size());
-  textures.reference_importance = samples_shown * (sum > 0 ? squares / sum : 1);
-  const double floor = std::max(kImportanceFloor * (mean > 0 ? mean : 1), 1e-9);
-  const int columns = (textures.width + kCellSize - 1) / kCellSize, rows = (textures.height + kCellSize - 1) / kCellSize;
-  textures.cell_importance.assign(static_cast<size_t>(columns * rows), 0);
-  std::vector<int> count(textures.cell_importance.size(), 0);
-  for (int y = 0; y < textures.height; ++y) {
-    for (int x = 0; x < textures.width; ++x) {
+std::vector<float> cell_means(const std::vector<float>& importance, int width, int height, double samples_shown, double floor) {
+  const int columns = (width + kCellSize - 1) / kCellSize, rows = (height + kCellSize - 1) / kCellSize;
+  std::vector<float> means(static_cast<size_t>(columns * rows));
+  std::vector<int> count(means.size());
+  for (int y = 0; y < height; ++y)
+    for (int x = 0; x < width; ++x) {
       const size_t cell = static_cast<size_t>(y / kCellSize * columns + x / kCellSize);
-      textures.cell_importance[cell] +=
-          importance[static_cast<size_t>(y) * static_cast<size_t>(textures.width) + static_cast<size_t>(x)];
+      means[cell] += importance[static_cast<size_t>(y) * static_cast<size_t>(width) + static_cast<size_t>(x)];
       ++count[cell];
     }
+  for (size_t c = 0; c < count.size(); ++c)
+    means[c] = static_cast<float>(samples_shown * std::max(static_cast<double>(means[c]) / count[c], floor));
+  return means;
+}
+
+}  // namespace
+
+void weigh_texels(const std::vector<std::vector<float>>& importance, double samples_shown, FieldTextures& textures) {
+  double sum = 0, squares = 0;
+  size_t texels = 0;
+  for (const std::vector<float>& own : importance) {
+    for (const float w : own) sum += w, squares += static_cast<double>(w) * w;
+    texels += own.size();
   }
-  for (size_t c = 0; c < count.size(); ++c) {
-    textures.cell_importance[c] =
-        static_cast<float>(samples_shown * std::max(static_cast<double>(textures.cell_importance[c]) / count[c], floor));
-  }
+  const double mean = texels ? sum / static_cast<double>(texels) : 0;
+  textures.reference_importance = samples_shown * (sum > 0 ? squares / sum : 1);
+  const double floor = std::max(kImportanceFloor * (mean > 0 ? mean : 1), 1e-9);
+  textures.weights.clear();
+  for (const std::vector<float>& own : importance)
+    textures.weights.push_back({own, cell_means(own, textures.width, textures.height, samples_shown, floor)});
 }
 
 int samples_per_cell(const FieldShape& shape, int level) {
@@ -97,8 +103,8 @@ FieldCoder::FieldCoder(const FieldShape& shape, const FieldTextures& textures, c
     const double q = base * std::pow(samples_per_cell(shape, level), -setting.step_exponent / 2);
     LevelSteps& steps = steps_.emplace_back();
     for (size_t p = 0; p < kNodePlanes; ++p) {
-      steps[p] = static_cast<uint16_t>(
-          std::clamp(std::round(kStepUnitsPerCode * q / std::sqrt(static_cast<double>(kPlaneWeights[p]))), double{kFinestStep}, 65535.0));
+      steps[p] = static_cast<uint16_t>(std::clamp(
+          std::round(kStepUnitsPerCode * q / std::sqrt(static_cast<double>(kPlaneWeights[p]))), double{kFinestStep}, 65535.0));
     }
   }
 }
@@ -133,7 +139,8 @@ std::vector<FieldCoder::Cell> FieldCoder::cells_of(int block, int level) const {
   return cells;
 }
 
-NodeCode FieldCoder::encode_cell(const Cell& cell, int level, const std::vector<CodedPlanes>& rest, CodedSymbols* symbols) const {
+NodeCode FieldCoder::encode_cell(const Cell& cell, int block, int level, const std::vector<CodedPlanes>& rest,
+                                 CodedSymbols* symbols) const {
   CodedPlanes mean;
   NodeTask task;
   task.planes = rest[cell.leaves[0]];
@@ -150,17 +157,17 @@ NodeCode FieldCoder::encode_cell(const Cell& cell, int level, const std::vector<
   for (size_t p = 0; p < kNodePlanes; ++p) {
     task.weights[p] = kPlaneWeights[p] * static_cast<float>(static_cast<double>(cell.leaves.size()) / price_);
   }
-  task.cell_weights = textures_.cell_importance;
+  task.cell_weights = textures_.weights_of(block).cell_importance;
   if (!setting_.contexts.empty()) task.contexts = setting_.contexts[static_cast<size_t>(level)];
   task.thorough = level == 0;
   return thread_encoder().encode(task, symbols);
 }
 
-double FieldCoder::squared_error(const CodedPlanes& rest) const {
+double FieldCoder::squared_error(const CodedPlanes& rest, const std::vector<float>& importance) const {
   const size_t width = static_cast<size_t>(textures_.width), texels = width * static_cast<size_t>(textures_.height);
   double total = 0;
   for (size_t row = 0; row < texels; row += width) {
-    total += row_error(&textures_.importance[row], &rest[row], &rest[texels + row], &rest[2 * texels + row], textures_.width);
+    total += row_error(&importance[row], &rest[row], &rest[texels + row], &rest[2 * texels + row], textures_.width);
   }
   return total / 3;
 }
@@ -182,7 +189,7 @@ CodedBlock FieldCoder::encode_block(int block) const {
     const size_t stride = (cells.size() + kRecordedNodes - 1) / kRecordedNodes;
     std::vector<CodedSymbols> symbols(cells.size());
     tbb::parallel_for(size_t{0}, cells.size(), [&](size_t c) {
-      NodeCode code = encode_cell(cells[c], level, rest, c % stride == 0 ? &symbols[c] : nullptr);
+      NodeCode code = encode_cell(cells[c], block, level, rest, c % stride == 0 ? &symbols[c] : nullptr);
       const size_t node = static_cast<size_t>(cells[c].node);
       out.nodes[node] = std::move(code.bytes);
       out.units[node] = static_cast<uint32_t>(std::min<uint64_t>(code.units, std::numeric_limits<uint32_t>::max()));
@@ -195,7 +202,7 @@ CodedBlock FieldCoder::encode_block(int block) const {
       if (!symbols[c].empty()) out.symbols[static_cast<size_t>(level)].push_back(std::move(symbols[c]));
     }
   }
-  for (const CodedPlanes& leaf : rest) out.squared_error += squared_error(leaf);
+  for (const CodedPlanes& leaf : rest) out.squared_error += squared_error(leaf, textures_.weights_of(block).importance);
   for (const auto& node : out.nodes) out.bytes += node.size();
   return out;
 }

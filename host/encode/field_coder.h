@@ -29,15 +29,21 @@ struct FieldTextures {
   int width = 0, height = 0;
   std::vector<CodedPlanes> leaves;  // by flat sample; empty: `source` is asked each time
   const FieldSource* source = nullptr;
-  std::vector<float> importance;       // per texel
-  std::vector<float> cell_importance;  // mean per 8 x 8 cell, times samples_shown, not below a floor
-  double reference_importance = 1;     // what a typical seen texel weighs, times samples_shown
+  struct Weights {
+    std::vector<float> importance;       // per texel
+    std::vector<float> cell_importance;  // mean per 8 x 8 cell, times samples_shown, not below a floor
+  };
+  std::vector<Weights> weights;     // as FieldSource::importance
+  double reference_importance = 1;  // what a typical seen texel weighs, times samples_shown
+  const Weights& weights_of(int block) const {
+    return weights[source && !source->block_maps.empty() ? source->block_maps[static_cast<size_t>(block)] : 0];
+  }
 
   CodedPlanes leaf(int64_t sample) const { return leaves.empty() ? source->load(sample) : leaves[static_cast<size_t>(sample)]; }
 };
-// Fills the derived members. Importance below 2 % of the mean counts as that much, so that what is hardly ever seen still
-// looks like the object.
-void weigh_texels(const std::vector<float>& importance, double samples_shown, FieldTextures& textures);
+// Fills weights and reference_importance. Importance below 2 % of the mean counts as that much, so that what is hardly ever seen
+// still looks like the object.
+void weigh_texels(const std::vector<std::vector<float>>& importance, double samples_shown, FieldTextures& textures);
 
 // How a field is coded.
 struct FieldSetting {
@@ -68,8 +74,8 @@ class FieldCoder {
  private:
   struct Cell;
   std::vector<Cell> cells_of(int block, int level) const;
-  NodeCode encode_cell(const Cell& cell, int level, const std::vector<CodedPlanes>& rest, CodedSymbols* symbols) const;
-  double squared_error(const CodedPlanes& rest) const;
+  NodeCode encode_cell(const Cell& cell, int block, int level, const std::vector<CodedPlanes>& rest, CodedSymbols* symbols) const;
+  double squared_error(const CodedPlanes& rest, const std::vector<float>& importance) const;
 
   const FieldShape& shape_;
   const FieldTextures& textures_;

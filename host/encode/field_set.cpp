@@ -66,7 +66,10 @@ FieldJob make_job(const FieldSource& source, int64_t preview_stride, bool keep) 
   job.preview.width = source.width;
   job.preview.height = static_cast<int>(rows.size());
   job.preview.leaves.resize(samples);
-  weigh_texels(cut_rows(source.importance, source.width, source.height, rows), source.samples_shown, job.preview);
+  job.preview.source = &source;
+  std::vector<std::vector<float>> importance;
+  for (const std::vector<float>& own : source.importance) importance.push_back(cut_rows(own, source.width, source.height, rows));
+  weigh_texels(importance, source.samples_shown, job.preview);
   job.preview.reference_importance = job.textures.reference_importance;  // the steps must be those of the whole
   return job;
 }

@@ -79,8 +79,9 @@ struct CellMeans {
 
 class TileAnalysis {
  public:
-  TileAnalysis(const CellLattice& lattice, const FieldShape& shape, const FieldTextures& textures, int log2, double price)
-      : lattice_(lattice), shape_(shape), textures_(textures), log2_(log2), price_(price) {}
+  TileAnalysis(const CellLattice& lattice, const FieldShape& shape, const FieldTextures& textures,
+               const std::vector<float>& cell_importance, int log2, double price)
+      : lattice_(lattice), shape_(shape), textures_(textures), cell_importance_(cell_importance), log2_(log2), price_(price) {}
 
   // Adds the costs of all steps for the tile at (x, y) of a block to `cost` (coarse * count + fine; coarse == count: the top)
   // and the bits of it to `bits`.
@@ -105,8 +106,7 @@ class TileAnalysis {
 
   double weight_at(int x, int y) const {
     const int columns = (textures_.width + kCellSize - 1) / kCellSize;
-    return textures_.cell_importance[static_cast<size_t>(y / kCellSize * columns + x / kCellSize)] /
-           textures_.reference_importance;
+    return cell_importance_[static_cast<size_t>(y / kCellSize * columns + x / kCellSize)] / textures_.reference_importance;
   }
 
   // Per sample of the box, row-major: coefficients of the three planes, each scaled by the root of its weight.
@@ -216,19 +216,21 @@ class TileAnalysis {
   const CellLattice& lattice_;
   const FieldShape& shape_;
   const FieldTextures& textures_;
+  const std::vector<float>& cell_importance_;
   int log2_;
   double price_;
 };
 
 // Tiles with some importance, evenly spread, at most `count` of them.
-std::vector<std::pair<int, int>> choose_tiles(const FieldTextures& textures, int size, size_t count) {
+std::vector<std::pair<int, int>> choose_tiles(const FieldTextures& textures, const std::vector<float>& cell_importance, int size,
+                                              size_t count) {
   std::vector<std::pair<int, int>> tiles, chosen;
-  const float floor = *std::min_element(textures.cell_importance.begin(), textures.cell_importance.end());
+  const float floor = *std::min_element(cell_importance.begin(), cell_importance.end());
   const int columns = (textures.width + kCellSize - 1) / kCellSize;
   for (int pass = 0; pass < 2 && tiles.empty(); ++pass) {
     for (int y = 0; y < textures.height; y += size) {
       for (int x = 0; x < textures.width; x += size) {
-        const float w = textures.cell_importance[static_cast<size_t>(y / kCellSize * columns + x / kCellSize)];
+        const float w = cell_importance[static_cast<size_t>(y / kCellSize * columns + x / kCellSize)];
         if (pass == 1 || w > 1.01f * floor) tiles.emplace_back(x, y);
       }
     }
@@ -290,11 +292,14 @@ ShapeChoice choose_pyramid(const FieldShape& shape, const FieldTextures& texture
                            int64_t work) {
   const CellLattice lattice(shape);
   const size_t count = static_cast<size_t>(lattice.count());
-  const BlockBox box = box_of(shape, largest_block(shape));
+  const int block = largest_block(shape);
+  const BlockBox box = box_of(shape, block);
+  const std::vector<float>& importance = textures.weights_of(block).cell_importance;
   const int log2 = box.samples() > 256 ? 3 : 4;
   const int64_t per_tile = comparisons(lattice, box) * kNodePlanes << (2 * log2);
-  const auto tiles = choose_tiles(textures, 1 << log2, static_cast<size_t>(std::clamp<int64_t>(work / per_tile, 2, 48)));
-  const TileAnalysis analysis(lattice, shape, textures, log2, price);
+  const auto tiles =
+      choose_tiles(textures, importance, 1 << log2, static_cast<size_t>(std::clamp<int64_t>(work / per_tile, 2, 48)));
+  const TileAnalysis analysis(lattice, shape, textures, importance, log2, price);
   std::vector<std::vector<double>> costs(tiles.size(), std::vector<double>((count + 1) * count, 0)), bits = costs;
   tbb::parallel_for(size_t{0}, tiles.size(),
                     [&](size_t t) { analysis.add(box, tiles[t].first, tiles[t].second, costs[t], bits[t]); });

@@ -60,7 +60,8 @@ struct Field {
   std::vector<TextureMap> maps;      // of textures onto the object's mesh
   std::vector<uint16_t> block_maps;  // per block (as FieldShape numbers them): which of them; empty: all the first
   std::vector<StoreKey> textures;    // per sample of `space` (flat): planes "R", "G", "B": linear radiance; row 0 is v = 0
-  std::vector<float> importance;     // per texel of the finest level: screen pixels that it feeds, mean over all frames
+  // Per map and texel of the finest level: screen pixels that it feeds, mean over all frames that show it so.
+  std::vector<std::vector<float>> importance;
 };
 
 struct Inference {

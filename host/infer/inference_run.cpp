@@ -1,6 +1,7 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 #include "host/infer/inference_run.h"
 
+#include <fmt/format.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -339,12 +340,11 @@ void InferenceRun::gather(std::span<const int> batch) {
       if (std::find(batch.begin(), batch.end(), use.state) != batch.end()) add_use(*stacks_[g], groups_[g], use);
   });
   tbb::parallel_for(size_t{0}, importance_.size(), [&](size_t field) {
-    if (importance_[field].empty()) return;
     for (const int s : batch)
       for (const Shown& shown : shown_[static_cast<size_t>(s)]) {
-        if (static_cast<size_t>(shown.field) != field) continue;
-        const float share = static_cast<float>(shown.samples) / static_cast<float>(frames_.size());
-        add_importance(state_object(s, shown.field, shown.map).observation, share, importance_[field]);
+        if (static_cast<size_t>(shown.field) != field || importance_[field].empty()) continue;
+        add_importance(state_object(s, shown.field, shown.map).observation, static_cast<float>(shown.samples),
+                       importance_[field][shown.map]);
       }
   });
 }
@@ -404,25 +404,38 @@ bool InferenceRun::importance_missing() const {
   return std::any_of(importance_.begin(), importance_.end(), [](const auto& values) { return !values.empty(); });
 }
 
-// From the store where it is there; otherwise a vector of zeros to add to.
+// From the store where it is there; otherwise zeros to add to.
 void InferenceRun::load_importance() {
-  importance_.resize(inference_.fields.size());
+  importance_.assign(inference_.fields.size(), {});
   for (size_t f = 0; f < inference_.fields.size(); ++f) {
+    Field& field = inference_.fields[f];
     const auto image = store_.load_planes(importance_keys_[f]);
-    const bool found = image && image->planes.size() == 1 && image->planes[0].values.size() == pyramids_[f].finest_size();
-    importance_[f].assign(found ? 0 : pyramids_[f].size(), 0.0f);
-    if (found) inference_.fields[f].importance = image->planes[0].values;
+    if (!image || image->planes.size() != field.maps.size()) {
+      importance_[f].assign(field.maps.size(), std::vector<float>(pyramids_[f].size()));
+      continue;
+    }
+    field.importance.clear();
+    for (const LayeredImage::Plane& plane : image->planes) field.importance.push_back(plane.values);
   }
 }
 
 void InferenceRun::finish_importance() {
-  for (size_t i = 0; i < importance_.size(); ++i) {
-    if (importance_[i].empty()) continue;
-    pyramids_[i].decimate_transposed(importance_[i].data());
-    importance_[i].resize(pyramids_[i].finest_size());
-    for (float& value : importance_[i]) value = std::min(value, kLargestHalf);
-    const Field& field = inference_.fields[i];
-    store_.save_planes(importance_keys_[i], {field.texture_width, field.texture_height, {{"importance", importance_[i]}}});
+  for (size_t f = 0; f < importance_.size(); ++f) {
+    if (importance_[f].empty()) continue;
+    const Field& field = inference_.fields[f];
+    LayeredImage image{field.texture_width, field.texture_height, {}};
+    for (size_t m = 0; m < field.maps.size(); ++m) {
+      std::vector<float>& own = importance_[f][m];
+      int64_t frames = 0;
+      for (const auto& state : shown_)
+        for (const Shown& shown : state)
+          if (shown.field == static_cast<int>(f) && shown.map == m) frames += shown.samples;
+      pyramids_[f].decimate_transposed(own.data());
+      own.resize(pyramids_[f].finest_size());
+      for (float& value : own) value = std::min(value / static_cast<float>(std::max<int64_t>(1, frames)), kLargestHalf);
+      image.planes.push_back({fmt::format("map{:05}", m), std::move(own)});
+    }
+    store_.save_planes(importance_keys_[f], image);
   }
   load_importance();  // as rounded by the store, so that a resumed run goes on alike
 }

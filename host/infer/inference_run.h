@@ -76,13 +76,13 @@ class InferenceRun {
   size_t stride_;
   Inference& inference_;
 
-  std::vector<Pyramid> pyramids_;                       // per field
-  std::vector<std::vector<Shown>> shown_;               // per state
-  std::vector<SolveGroup> groups_;                      // only with textures that are missing
-  std::vector<std::unique_ptr<TextureSolver>> stacks_;  // per group that sees many states
-  std::vector<std::unique_ptr<StateData>> data_;        // per state, while it is needed
-  std::vector<StoreKey> importance_keys_;               // per field
-  std::vector<std::vector<float>> importance_;          // per field, all levels; empty where the store has it
+  std::vector<Pyramid> pyramids_;                            // per field
+  std::vector<std::vector<Shown>> shown_;                    // per state
+  std::vector<SolveGroup> groups_;                           // only with textures that are missing
+  std::vector<std::unique_ptr<TextureSolver>> stacks_;       // per group that sees many states
+  std::vector<std::unique_ptr<StateData>> data_;             // per state, while it is needed
+  std::vector<StoreKey> importance_keys_;                    // per field
+  std::vector<std::vector<std::vector<float>>> importance_;  // per field and map, all levels; empty where the store has it
 };
 
 }  // namespace vitrine

@@ -58,7 +58,7 @@ double leaf_error(const FieldSource& source, const CodedPlanes& leaf, const Code
   for (size_t i = 0; i < n; ++i) {
     const double y = truth[i] - leaf[i], co = truth[n + i] - leaf[n + i], cg = truth[2 * n + i] - leaf[2 * n + i];
     const double g = y + cg / 2, r = y - cg / 2 + co / 2, b = y - cg / 2 - co / 2;
-    total += static_cast<double>(source.importance[i]) * (r * r + g * g + b * b) / 3;
+    total += static_cast<double>(source.importance[0][i]) * (r * r + g * g + b * b) / 3;
   }
   return total;
 }
@@ -157,13 +157,13 @@ TEST(EncodeFields, SameBytesWithOneThreadAndWithTwo) {
 TEST(EncodeFields, UnseenHalvesGoWithoutStorage) {
   FieldSource source = synthetic::field({8}, 128, 128);
   const auto seen = encode({source}, {.quantizer = 60});
-  std::fill(source.importance.begin() + 128 * 64, source.importance.end(), 0.0f);
+  std::fill(source.importance[0].begin() + 128 * 64, source.importance[0].end(), 0.0f);
   const auto half = encode({source}, {.quantizer = 60});
   EXPECT_LT(static_cast<double>(half[0].nodes.size()), 0.75 * static_cast<double>(seen[0].nodes.size()));
   // What is not seen still looks like the object.
   const auto offsets = node_offsets(half[0]);
   const CodedPlanes leaf = leaf_of(source, half[0], offsets, 3), truth = source.load(3);
-  source.importance.assign(source.importance.size(), 1.0f);
+  source.importance[0].assign(source.importance[0].size(), 1.0f);
   EXPECT_LT(leaf_error(source, leaf, truth) / (128 * 128), 80 * 80);
 }
 
@@ -171,7 +171,7 @@ TEST(EncodeFields, EmptyAndBlackInputs) {
   EXPECT_TRUE(encode({}, {.target_bytes = 100}).empty());
   FieldSource black = synthetic::field({4, 2}, 40, 40);
   black.load = [](int64_t) { return CodedPlanes(3 * 40 * 40, 0); };
-  std::fill(black.importance.begin(), black.importance.end(), 0.0f);
+  std::fill(black.importance[0].begin(), black.importance[0].end(), 0.0f);
   const auto encoded = encode({black}, {.target_bytes = 5000});
   EXPECT_TRUE(encoded[0].nodes.empty());
   expect_consistent(black, encoded[0]);

@@ -87,7 +87,7 @@ inline FieldSource field(const std::vector<int>& samples, int width, int height,
   source.block_size = block_size_of(source.space);
   source.width = width;
   source.height = height;
-  source.importance.assign(static_cast<size_t>(width) * static_cast<size_t>(height), 1.0f);
+  source.importance.assign(1, std::vector<float>(static_cast<size_t>(width) * static_cast<size_t>(height), 1.0f));
   source.load = [space = source.space, width, height, look](int64_t flat) {
     return texture(width, height, look, space.index_from_flat(flat));
   };

@@ -122,17 +122,17 @@ TEST_F(InferenceTest, HolesAreFilledSmoothly) {
   const LinearTexture texture = load_field_texture(work->store(), field, 0);
   glm::vec3 low(1e9f), high(-1e9f);
   for (size_t i = 0; i < texture.texels.size(); ++i) {
-    if (field.importance[i] < kHole) continue;
+    if (field.importance[0][i] < kHole) continue;
     low = glm::min(low, texture.texels[i]);
     high = glm::max(high, texture.texels[i]);
   }
-  ASSERT_GT(std::count_if(field.importance.begin(), field.importance.end(), [](float i) { return i < kHole; }), 100);
+  ASSERT_GT(std::count_if(field.importance[0].begin(), field.importance[0].end(), [](float i) { return i < kHole; }), 100);
   for (size_t i = 0; i < texture.texels.size(); ++i) {
     for (int k = 0; k < 3; ++k) {
       EXPECT_GE(texture.texels[i][k], low[k] - 0.2f) << "texel " << i;
       EXPECT_LE(texture.texels[i][k], high[k] + 0.2f) << "texel " << i;
     }
-    const bool inside_hole = i + 1 < texture.texels.size() && field.importance[i] < kHole && field.importance[i + 1] < kHole;
+    const bool inside_hole = i + 1 < texture.texels.size() && field.importance[0][i] < kHole && field.importance[0][i + 1] < kHole;
     if (!inside_hole || static_cast<int>(i + 1) % texture.width == 0) continue;
     EXPECT_LT(glm::length(texture.texels[i + 1] - texture.texels[i]), 0.15f) << "texel " << i;
   }
@@ -155,7 +155,7 @@ TEST_F(InferenceTest, ImportanceSumsToThePixelsOfTheObject) {
     const Frame frame = load(work->store(), key, *scene);
     for (const float c : frame.objects[0].coverage) screen += static_cast<double>(c) / 8;
   }
-  for (const float i : inference.fields[0].importance) texels += static_cast<double>(i);
+  for (const float i : inference.fields[0].importance[0]) texels += static_cast<double>(i);
   EXPECT_NEAR(texels / screen, 1, 0.02);
 }
 
