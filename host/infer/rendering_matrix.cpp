@@ -106,6 +106,27 @@ StateMatrix assemble_matrix(std::span<const glm::vec4> identifiers, int width, i
   return matrix;
 }
 
+void TapRows::reset(size_t samples) {
+  counts_.assign(samples, 0);
+  entries_.resize(samples);
+}
+
+void TapRows::add_to(SampleRow& row, size_t sample, float share) const {
+  const size_t count = counts_[sample];
+  for (size_t i = 0; i < std::min(count, kMaxTapEntries); ++i)
+    row.add(entries_[sample][i].texel, share * entries_[sample][i].weight);
+  if (count > kMaxTapEntries) row.count += kMaxEntries;
+}
+
+StateMatrix assemble_taps(const TestRenderer& renderer, std::span<const glm::vec4> identifiers, size_t object_count,
+                          std::span<const TapRows* const> taps) {
+  const float share = 1.0f / static_cast<float>(taps.size());
+  return assemble_matrix(identifiers, renderer.width(), renderer.height(), renderer.supersampling(), object_count,
+                         static_cast<int>(taps.size()), [&](size_t sample, SampleRow& row) {
+                           for (const TapRows* tap : taps) tap->add_to(row, sample, share);
+                         });
+}
+
 namespace {
 
 float row_difference(std::span<const MatrixEntry> a, std::span<const MatrixEntry> b) {

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 
@@ -114,6 +115,25 @@ std::unique_ptr<Scene> make_ball_on_board(const SceneShape& shape) {
   scene->axes.push_back({"lamp", {AxisKind::kDiscrete, shape.lamps}, 0.25f, {}});
   add_orbit(*scene);
   return scene;
+}
+
+std::vector<DrawnObject> board_and_card(int board_width, int board_height, int card_width, int card_height) {
+  DrawnObject board, card;
+  board.vertices = {{-2, -1, 1, 0, 0}, {2, -1, 1, 1, 0}, {2, -1, -14, 1, 1}, {-2, -1, -14, 0, 1}};
+  board.indices = {0, 1, 2, 0, 2, 3};
+  board.texture_width = board_width;
+  board.texture_height = board_height;
+  card.vertices = {{-0.5f, -0.9f, 0, -0.1f, 0}, {0.6f, -0.8f, 0, 1.1f, 0}, {0.5f, 0.4f, -0.4f, 1, 1}};
+  card.indices = {0, 1, 2};
+  card.texture_width = card_width;
+  card.texture_height = card_height;
+  return {board, card};
+}
+
+GeometryState looking_down(float aspect, float height) {
+  const glm::mat4 clip = glm::perspective(0.9f, aspect, 0.1f, 50.0f) *
+                         glm::lookAt(glm::vec3(0.3f, height, 3), glm::vec3(0, -0.5f, 0), glm::vec3(0, 1, 0));
+  return {{clip, clip}, {0, 0}};
 }
 
 Truth smooth_truth() {
