@@ -116,7 +116,8 @@ Status Engine::State::draw(hal::Target output, const Position& position) {
     glm::mat4 world_from_object = buffers.world_from_node[object.object->node()];
     if (object.object->follows_camera()) world_from_object = glm::translate(glm::mat4(1), glm::vec3(world_from_camera[3]));
     const bool mirrored = glm::determinant(glm::mat3(world_from_object)) < 0;
-    drawn = drawer.draw(object.mesh, clip_from_world * world_from_object, mirrored, object.texture);
+    const SurfaceTexture texture{object.texture, {}};
+    drawn = drawer.draw(object.mesh, clip_from_world * world_from_object, mirrored, {&texture, 1});
     if (!drawn.ok()) break;
   }
   if (Status status = drawer.end(); !status.ok()) return status;

@@ -116,7 +116,8 @@ FieldSource field_source(const Scene& scene, const Inference& inference, int num
   source.height = object.texture_height;
   source.importance = field.importance;
   for (float& importance : source.importance) importance *= attention;
-  source.stagger = stagger_of(number, static_cast<int>(inference.fields.size()), field.space, block_size_of(field.space));
+  source.block_size = field.block_size;
+  source.stagger = field.stagger;
   source.samples_shown = static_cast<double>(scene.space().sample_count()) / static_cast<double>(field.space.sample_count());
   source.load = [&store, &field](int64_t sample) { return coded_planes(load_field_texture(store, field, sample)); };
   return source;

@@ -147,16 +147,6 @@ std::vector<EncodedField> encode_to_target(std::vector<FieldJob>& jobs, double t
 
 }  // namespace
 
-AxisSizes block_size_of(const ParameterSpace& space) {
-  AxisSizes size{};
-  for (size_t a = 0; a < static_cast<size_t>(space.axis_count); ++a) {
-    int n = 1;
-    while (n < kMaxBlockSize && n < space.axes[a].samples) n *= 2;
-    size[a] = static_cast<uint8_t>(n);
-  }
-  return size;
-}
-
 std::vector<EncodedField> encode_fields(const std::vector<FieldSource>& fields, const EncodeOptions& options,
                                         Progress& progress) {
   if (fields.empty()) return {};

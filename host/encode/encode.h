@@ -13,9 +13,6 @@
 
 namespace vitrine {
 
-// The sizes of a field's blocks: per axis kMaxBlockSize, or the least power of two that holds all samples.
-AxisSizes block_size_of(const ParameterSpace& space);
-
 // One texture of a field as companded codes in Y, Co, Cg: 3 planes of width * height.
 using CodedPlanes = std::vector<int16_t>;
 
@@ -23,7 +20,7 @@ struct FieldSource {
   ParameterSpace space;  // restricted to the field's axes
   int width = 0, height = 0;
   std::vector<float> importance;             // per texel, screen pixels per texel (may hold zeros: texels that are never seen)
-  AxisSizes stagger{};                       // of its blocks: 0..block size - 1 per axis (host/plan chooses it)
+  AxisSizes block_size{}, stagger{};         // host/base/field_blocks.h
   double samples_shown = 1;                  // grid samples of the whole space that one texture of this field serves
   std::function<CodedPlanes(int64_t)> load;  // texture of a flat field sample; called from several threads
 };

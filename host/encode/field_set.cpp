@@ -53,7 +53,7 @@ FieldJob make_job(const FieldSource& source, int64_t preview_stride, bool keep) 
   FieldJob job;
   job.source = &source;
   job.shape.space = source.space;
-  job.shape.block_size = block_size_of(source.space);
+  job.shape.block_size = source.block_size;
   job.shape.stagger = checked_stagger(job.shape, source.stagger);
   job.textures.width = source.width;
   job.textures.height = source.height;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 
+#include "host/base/field_blocks.h"
 #include "host/infer/geometry_states.h"
 #include "host/infer/inference_run.h"
 #include "host/infer/light_survey.h"
@@ -62,18 +63,32 @@ std::vector<Field> make_fields(const Scene& scene, const std::vector<DrawnObject
       const auto object = static_cast<size_t>(objects[i].object);
       if (!carries_light(lights[object][static_cast<size_t>(layer)])) continue;
       const AxisMask axes = field_axes(scene, scene.objects[object], layer);
-      fields.push_back({static_cast<int>(i), layer_name(layer), axes, scene.space().restricted(axes), {}, {}});
+      Field field;
+      field.drawn_object = static_cast<int>(i);
+      field.layer = layer_name(layer);
+      field.axes = axes;
+      field.space = scene.space().restricted(axes);
+      field.texture_width = objects[i].texture_width;
+      field.texture_height = objects[i].texture_height;
+      fields.push_back(std::move(field));
     }
+  for (size_t f = 0; f < fields.size(); ++f) {
+    fields[f].block_size = block_size_of(fields[f].space);
+    fields[f].stagger = stagger_of(static_cast<int>(f), static_cast<int>(fields.size()), fields[f].space, fields[f].block_size);
+    fields[f].maps.resize(1);
+  }
   return fields;
 }
 
 // Shown, and black in every picture: most often a closed room without a lamp, or a lamp that does not reach.
-std::vector<std::string> warn_of_darkness(const Scene& scene, const std::vector<DrawnObject>& objects, const std::vector<Field>& fields) {
+std::vector<std::string> warn_of_darkness(const Scene& scene, const std::vector<DrawnObject>& objects,
+                                          const std::vector<Field>& fields) {
   std::vector<std::string> warnings;
   for (size_t i = 0; i < objects.size(); ++i)
     if (std::none_of(fields.begin(), fields.end(), [&](const Field& f) { return f.drawn_object == static_cast<int>(i); }))
-      warnings.push_back(fmt::format("\"{}\" is black in all pictures: no light reaches it; add a lamp where it does, or open the room to the environment",
-                                     scene.objects[static_cast<size_t>(objects[i].object)].name));
+      warnings.push_back(fmt::format(
+          "\"{}\" is black in all pictures: no light reaches it; add a lamp where it does, or open the room to the environment",
+          scene.objects[static_cast<size_t>(objects[i].object)].name));
   return warnings;
 }
 

@@ -15,8 +15,10 @@
 #include <string>
 #include <vector>
 
+#include "formats/block.h"
 #include "formats/mesh.h"
 #include "formats/parameter_space.h"
+#include "formats/texture_map.h"
 #include "hal/gpu.h"
 #include "host/base/progress.h"
 #include "host/frames/store.h"
@@ -40,9 +42,13 @@ struct Field {
   int drawn_object = 0;  // index into Inference::objects
   std::string layer;     // "diffuse", "specular"
   AxisMask axes = 0;
-  ParameterSpace space;            // the scene's, restricted to `axes`
-  std::vector<StoreKey> textures;  // per sample of `space` (flat): planes "R", "G", "B": linear radiance; row 0 is v = 0
-  std::vector<float> importance;   // per texel of the finest level: screen pixels that it feeds, mean over all frames
+  ParameterSpace space;  // the scene's, restricted to `axes`
+  AxisSizes block_size{}, stagger{};
+  int texture_width = 0, texture_height = 0;
+  std::vector<TextureMap> maps;      // of textures onto the object's mesh
+  std::vector<uint16_t> block_maps;  // per block (as FieldShape numbers them): which of them; empty: all the first
+  std::vector<StoreKey> textures;    // per sample of `space` (flat): planes "R", "G", "B": linear radiance; row 0 is v = 0
+  std::vector<float> importance;     // per texel of the finest level: screen pixels that it feeds, mean over all frames
 };
 
 struct Inference {
@@ -54,9 +60,9 @@ struct Inference {
 struct InferenceOptions {
   int width = 640, height = 480, supersampling = 2;
   SurfaceFilter filter = SurfaceFilter::kTrilinear;  // with which the target will read textures
-  float regularization = 0.3f;   // e_f
-  int iterations = 40;            // of conjugate gradients, at most
-  float texels_per_pixel = 1.0f;  // of the texture domain at the finest level
+  float regularization = 0.3f;                       // e_f
+  int iterations = 40;                               // of conjugate gradients, at most
+  float texels_per_pixel = 1.0f;                     // of the texture domain at the finest level
   int max_texture_size = 1024;
   // Rendering matrices held at once. Where all views need more, layers that do not depend on the view are solved over every
   // n-th of them only, and Inference::warnings says so.

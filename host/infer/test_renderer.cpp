@@ -8,21 +8,19 @@ namespace {
 
 constexpr char kOneTap[] = R"(
 uniform sampler2D radiance;
-uniform vec4 params[5];
 in vec2 surface;
 layout(location = 0) out vec4 color;
 void main() {
   vec2 at;
-  color = surface_tap(radiance, surface, int(params[4].x), at);
+  color = surface_tap(radiance, surface, int(parameter.x), at);
 })";
 constexpr char kCoordinates[] = R"(
 uniform sampler2D radiance;
-uniform vec4 params[5];
 in vec2 surface;
 layout(location = 0) out vec4 color;
 void main() {
   vec2 at;
-  vec4 read = surface_tap(radiance, surface, int(params[4].x), at);
+  vec4 read = surface_tap(radiance, surface, int(parameter.x), at);
   color = vec4(at, read.zw);
 })";
 
@@ -89,8 +87,9 @@ void TestRenderer::render_with(hal::Program program, int tap, const GeometryStat
   for (size_t i = 0; i < meshes_.size(); ++i) {
     if (!meshes_[i].mesh.id || !textures[i].id) continue;
     const bool mirrored = state.mirrored[i] != 0;
-    check(program.id ? drawer_.draw_with(program, glm::vec4(tap), meshes_[i], state.clip_from_object[i], mirrored, textures[i])
-                     : drawer_.draw(meshes_[i], state.clip_from_object[i], mirrored, textures[i]));
+    const SurfaceTexture texture{textures[i], state.maps.empty() ? TextureMap{} : state.maps[i]};
+    check(program.id ? drawer_.draw_with(program, glm::vec4(tap), meshes_[i], state.clip_from_object[i], mirrored, texture)
+                     : drawer_.draw(meshes_[i], state.clip_from_object[i], mirrored, {&texture, 1}));
   }
   check(drawer_.end());
   read_picture(pixels);

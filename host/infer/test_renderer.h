@@ -21,6 +21,7 @@ namespace vitrine {
 struct GeometryState {
   std::vector<glm::mat4> clip_from_object;  // per drawn object
   std::vector<uint8_t> mirrored;
+  std::vector<TextureMap> maps;  // of the texture that each is drawn with; none: the mesh's own coordinates
 };
 
 // All levels of a texture, level by level as Pyramid orders them, uploaded. `texels`: of `format`.

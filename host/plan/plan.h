@@ -53,10 +53,6 @@ struct Plan {
   uint32_t horizon_frames = 0;  // >= 1
 };
 
-// Staggered block origins per field, decided before encoding: spread over the block so that block borders of different
-// fields do not fall together.
-AxisSizes stagger_of(int field, int field_count, const ParameterSpace& space, const AxisSizes& block_size);
-
 // Takes the shortest horizon with which the profile's units suffice; where none does within the profile's cache, the one that
 // needs the fewest. Never refuses: see misfits. `max_speed`: samples per frame, one per axis.
 Plan make_plan(const ParameterSpace& space, const std::vector<float>& max_speed, const std::vector<PlannedField>& fields,

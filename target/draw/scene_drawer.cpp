@@ -7,31 +7,10 @@
 #include <cstring>
 
 #include "target/draw/resolve.h"
-#include "target/draw/surface_filter.h"
+#include "target/draw/surface_program.h"
 
 namespace vitrine {
 namespace {
-
-constexpr int kDrawUniforms = 5;  // clip_from_object, by columns; then what a program of create_program() is given
-constexpr char kDrawVertex[] = R"(
-layout(location = 0) in vec3 position;
-layout(location = 1) in vec2 texture_coordinate;
-uniform vec4 params[5];
-out vec2 surface;
-void main() {
-  surface = texture_coordinate;
-  gl_Position = mat4(params[0], params[1], params[2], params[3]) * vec4(position, 1.0);
-})";
-constexpr char kDrawFragment[] = R"(
-uniform sampler2D radiance;
-in vec2 surface;
-layout(location = 0) out vec4 color;
-void main() {
-  vec2 at;
-  vec4 sum = vec4(0.0);
-  for (int tap = 0; tap < surface_taps; ++tap) sum += surface_tap(radiance, surface, tap, at);
-  color = sum / float(surface_taps);
-})";
 
 // params[0]: exposure, supersampling, first tap, tap count; params[1..2]: weights.
 constexpr int kResolveUniforms = 3;
@@ -65,6 +44,8 @@ Status check(const DrawerDesc& desc) {
   if (desc.width < 1 || desc.height < 1) return {StatusCode::kMalformed, "the picture has no pixels"};
   if (desc.supersampling < 1 || desc.supersampling > kMaxSupersampling)
     return {StatusCode::kMalformed, "supersampling is not in 1..4"};
+  if (desc.max_textures < 1 || desc.max_textures > kMaxSurfaceTextures)
+    return {StatusCode::kMalformed, "an object's textures are not 1..8"};
   return {};
 }
 
@@ -84,27 +65,32 @@ Result<SceneDrawer> SceneDrawer::create(hal::Gpu& gpu, const DrawerDesc& desc) {
   const auto target = gpu.create_target({drawer.supersampled_width(), drawer.supersampled_height(), desc.target_format, true});
   if (!target.ok()) return target.status();
   drawer.supersampled_ = target.value();
-  const auto draw_program = drawer.create_program(kDrawFragment);
-  const auto resolve_program = create_resolve_program(gpu);
-  drawer.draw_program_ = draw_program.value();
-  drawer.resolve_program_ = resolve_program.value();
-  if (draw_program.ok() && resolve_program.ok()) return drawer;
-  drawer.destroy();  // what was made of it: id 0 is none
-  return draw_program.ok() ? resolve_program.status() : draw_program.status();
+  if (Status status = drawer.create_programs(); !status.ok()) {
+    drawer.destroy();  // what was made of it: id 0 is none
+    return status;
+  }
+  return drawer;
+}
+
+Status SceneDrawer::create_programs() {
+  const auto resolve_program = create_resolve_program(*gpu_);
+  if (!resolve_program.ok()) return resolve_program.status();
+  resolve_program_ = resolve_program.value();
+  for (int count = 0; count <= desc_.max_textures; ++count) {
+    const auto program = create_surface_program(*gpu_, desc_.filter, count);
+    if (!program.ok()) return program.status();
+    draw_programs_[static_cast<size_t>(count)] = program.value();
+  }
+  return {};
 }
 
 Result<hal::Program> SceneDrawer::create_program(const char* fragment) {
-  static constexpr const char* kSamplers[] = {"radiance"};
-  return gpu_->create_program({.vertex = kDrawVertex,
-                               .fragment = fragment,
-                               .fragment_library = surface_tap_source(desc_.filter),
-                               .samplers = kSamplers,
-                               .uniform_count = kDrawUniforms});
+  return create_surface_probe(*gpu_, desc_.filter, fragment);
 }
 
 void SceneDrawer::destroy() {
   if (!gpu_) return;
-  gpu_->destroy(draw_program_);
+  for (const hal::Program program : draw_programs_) gpu_->destroy(program);
   gpu_->destroy(resolve_program_);
   gpu_->destroy(supersampled_);
   gpu_ = nullptr;
@@ -127,20 +113,30 @@ Result<hal::Texture> SceneDrawer::create_texture(int width, int height, hal::Tex
 
 Status SceneDrawer::begin() { return gpu_->begin_pass({.target = supersampled_}); }
 
-Status SceneDrawer::draw(const DrawMesh& mesh, const glm::mat4& clip_from_object, bool mirrored, hal::Texture texture) {
-  return draw_with(draw_program_, {}, mesh, clip_from_object, mirrored, texture);
+Status SceneDrawer::draw(const DrawMesh& mesh, const glm::mat4& clip_from_object, bool mirrored,
+                         std::span<const SurfaceTexture> textures) {
+  if (textures.size() > static_cast<size_t>(desc_.max_textures))
+    return {StatusCode::kMalformed, "an object has more textures than the drawer was made for"};
+  const SurfaceUniforms uniforms(clip_from_object, glm::vec4(0), textures);
+  std::array<hal::Texture, kMaxSurfaceTextures> handles;
+  for (size_t i = 0; i < textures.size(); ++i) handles[i] = textures[i].texture;
+  return draw_parts({.program = draw_programs_[textures.size()],
+                     .mesh = mesh.mesh,
+                     .textures = std::span(handles).first(textures.size()),
+                     .uniforms = uniforms.values()},
+                    mesh, mirrored);
 }
 
 Status SceneDrawer::draw_with(hal::Program program, const glm::vec4& parameter, const DrawMesh& mesh,
-                              const glm::mat4& clip_from_object, bool mirrored, hal::Texture texture) {
-  std::array<float, 4 * kDrawUniforms> uniforms;
-  std::memcpy(uniforms.data(), &clip_from_object, sizeof clip_from_object);
-  std::memcpy(uniforms.data() + 16, &parameter, sizeof parameter);
-  hal::Draw draw{.program = program,
-                 .mesh = mesh.mesh,
-                 .index_count = mesh.culled_index_count,
-                 .textures = {&texture, 1},
-                 .uniforms = uniforms};
+                              const glm::mat4& clip_from_object, bool mirrored, const SurfaceTexture& texture) {
+  const SurfaceUniforms uniforms(clip_from_object, parameter, {&texture, 1});
+  return draw_parts({.program = program, .mesh = mesh.mesh, .textures = {&texture.texture, 1}, .uniforms = uniforms.values()},
+                    mesh, mirrored);
+}
+
+// Single-sided triangles, then the others.
+Status SceneDrawer::draw_parts(hal::Draw draw, const DrawMesh& mesh, bool mirrored) {
+  draw.index_count = mesh.culled_index_count;
   draw.cull = mirrored ? hal::Cull::kFront : hal::Cull::kBack;
   if (Status status = gpu_->draw(draw); !status.ok()) return status;
   draw.first_index = mesh.culled_index_count;

@@ -4,10 +4,11 @@
 // the host reads the rendering matrix off it (host/infer): what is inverted is what will run.
 //
 // A picture is drawn at `supersampling` times the output size into a float target, without antialiasing, each fragment reading
-// its texture as surface_filter.h says; the resolve pass filters it with formats/pixel_filter.h, multiplies by the exposure,
-// clamps and applies the sRGB curve.
+// its textures, which add, as surface_filter.h says; the resolve pass filters it with formats/pixel_filter.h, multiplies by the
+// exposure, clamps and applies the sRGB curve.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/mat4x4.hpp>
 #include <glm/vec4.hpp>
@@ -15,6 +16,7 @@
 
 #include "formats/mesh.h"
 #include "formats/status.h"
+#include "formats/texture_map.h"
 #include "hal/gpu.h"
 #include "target/draw/surface_filter.h"
 
@@ -25,6 +27,15 @@ struct DrawerDesc {
   int supersampling = 2;                                            // 1..4
   hal::TextureFormat target_format = hal::TextureFormat::kRgba16f;  // kRgba32f for inference
   SurfaceFilter filter = SurfaceFilter::kTrilinear;
+  int max_textures = 1;  // of one object, 1..kMaxSurfaceTextures
+};
+
+inline constexpr int kMaxSurfaceTextures = 8;  // of one object
+
+// A texture and where it lies on the mesh.
+struct SurfaceTexture {
+  hal::Texture texture;
+  TextureMap map;
 };
 
 struct DrawMesh {
@@ -47,13 +58,14 @@ class SceneDrawer {
   // begin; draw every object; end: the supersampled picture stands in supersampled(). resolve: filters it into `output`
   // (id 0: the screen).
   Status begin();
-  // `mirrored`: world_from_object turns the surface inside out (negative determinant).
-  Status draw(const DrawMesh& mesh, const glm::mat4& clip_from_object, bool mirrored, hal::Texture texture);
-  // The same by a program of one's own, for who wants to know how the device draws: its fragment shader finds
-  // `uniform sampler2D radiance`, `in vec2 surface`, surface_filter.h's function and, in params[4], `parameter`.
+  // `mirrored`: world_from_object turns the surface inside out (negative determinant). The sum of at most desc().max_textures
+  // textures is drawn (alpha: the first one's); black where there are none.
+  Status draw(const DrawMesh& mesh, const glm::mat4& clip_from_object, bool mirrored, std::span<const SurfaceTexture> textures);
+  // The same of one texture by a program of one's own, for who wants to know how the device draws: its fragment shader finds
+  // `uniform sampler2D radiance`, `in vec2 surface`, surface_filter.h's function and the vector `parameter`.
   Result<hal::Program> create_program(const char* fragment);
   Status draw_with(hal::Program program, const glm::vec4& parameter, const DrawMesh& mesh, const glm::mat4& clip_from_object,
-                   bool mirrored, hal::Texture texture);
+                   bool mirrored, const SurfaceTexture& texture);
   Status end();
   Status resolve(hal::Target output, float exposure);
 
@@ -63,10 +75,14 @@ class SceneDrawer {
   const DrawerDesc& desc() const { return desc_; }
 
  private:
+  Status create_programs();
+  Status draw_parts(hal::Draw draw, const DrawMesh& mesh, bool mirrored);
+
   hal::Gpu* gpu_ = nullptr;
   DrawerDesc desc_;
   hal::Target supersampled_;
-  hal::Program draw_program_, resolve_program_;
+  std::array<hal::Program, kMaxSurfaceTextures + 1> draw_programs_;  // by the number of textures
+  hal::Program resolve_program_;
 };
 
 }  // namespace vitrine

@@ -192,12 +192,5 @@ TEST(PriceSearch, FindsTheRootOfAPowerLawInAFewSteps) {
   }
 }
 
-TEST(BlockSize, HoldsAllSamplesUpToEight) {
-  ParameterSpace space;
-  space.axis_count = 4;
-  for (size_t a = 0; a < 4; ++a) space.axes[a].samples = std::array{1, 3, 8, 64}[a];
-  EXPECT_EQ(block_size_of(space), (AxisSizes{1, 4, 8, 8}));
-}
-
 }  // namespace
 }  // namespace vitrine

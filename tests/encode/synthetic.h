@@ -11,6 +11,7 @@
 #include "formats/color.h"
 #include "formats/companding.h"
 #include "formats/parameter_space.h"
+#include "host/base/field_blocks.h"
 #include "host/encode/encode.h"
 
 namespace vitrine::synthetic {
@@ -83,6 +84,7 @@ inline FieldSource field(const std::vector<int>& samples, int width, int height,
   FieldSource source;
   source.space.axis_count = static_cast<int>(samples.size());
   for (size_t a = 0; a < samples.size(); ++a) source.space.axes[a].samples = samples[a];
+  source.block_size = block_size_of(source.space);
   source.width = width;
   source.height = height;
   source.importance.assign(static_cast<size_t>(width) * static_cast<size_t>(height), 1.0f);

@@ -303,28 +303,5 @@ TEST(Plan, ALargeSpaceOfManyFieldsIsPlannedInSeconds) {
   EXPECT_GT(plan.units_worst, 0u);
 }
 
-// ---- stagger ----
-
-TEST(Stagger, IsWithinTheBlockAndSpreadEvenly) {
-  const ParameterSpace space = make_space({{AxisKind::kLinear, 64}, {AxisKind::kPeriodic, 32}, {AxisKind::kLinear, 5}});
-  const AxisSizes block{8, 4, 8};
-  for (const int count : {1, 2, 5, 8, 16, 23}) {
-    std::array<std::array<int, 8>, 3> used{};
-    for (int f = 0; f < count; ++f) {
-      const AxisSizes stagger = stagger_of(f, count, space, block);
-      for (int a = 0; a < 3; ++a) {
-        ASSERT_LT(stagger[a], block[a]);
-        ++used[static_cast<size_t>(a)][stagger[a]];
-      }
-      EXPECT_EQ(stagger[2], 0);  // one block holds the whole axis
-    }
-    for (int a = 0; a < 2; ++a)
-      for (int s = 0; s < block[a]; ++s) {
-        EXPECT_LE(used[static_cast<size_t>(a)][static_cast<size_t>(s)], (count + block[a] - 1) / block[a])
-            << count << " axis " << a;
-      }
-  }
-}
-
 }  // namespace
 }  // namespace vitrine

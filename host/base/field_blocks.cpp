@@ -1,9 +1,9 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "host/base/field_blocks.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-
-#include "host/plan/plan.h"
 
 namespace vitrine {
 namespace {
@@ -16,6 +16,16 @@ int64_t lattice_generator(int64_t n) {
 }
 
 }  // namespace
+
+AxisSizes block_size_of(const ParameterSpace& space) {
+  AxisSizes size{};
+  for (size_t a = 0; a < static_cast<size_t>(space.axis_count); ++a) {
+    int n = 1;
+    while (n < kMaxBlockSize && n < space.axes[a].samples) n *= 2;
+    size[a] = static_cast<uint8_t>(n);
+  }
+  return size;
+}
 
 // Korobov's lattice: field i gets (i, i g, i g^2, ...) / n modulo 1 of a block along the axes. So along each axis alone the
 // origins are spread evenly, and pairs of axes do not move in step.
