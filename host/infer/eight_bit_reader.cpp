@@ -20,10 +20,10 @@ constexpr uint32_t kLargestNumber = (1u << 24) - 1;
 constexpr int kRowsATask = 32;
 constexpr char kOtherDevice[] = "compile on a device with float targets (OSMesa has them)";
 
-// Of solved texels: in the rendering with numbers, and in the four channels of the other one. Differing steps cut off differing
-// parts of a weight.
+// Of solved texels: in the rendering with numbers, and in the four channels of the other one. Evenly spread, so that what is cut
+// off differs from one to the next.
 constexpr uint8_t kFull = 255;
-constexpr std::array<uint8_t, 4> kIntensities{230, 205, 180, 155};
+constexpr std::array<uint8_t, 4> kIntensities{204, 153, 102, 51};
 
 // The slope of the least-squares line through nothing and what the intensities became, in steps of the channel (section 3.4).
 float fitted_weight(float full, const glm::vec4& others) {

@@ -9,6 +9,7 @@
 
 #include "host/base/error.h"
 #include "host/infer/coordinate_reader.h"
+#include "host/infer/eight_bit_reader.h"
 #include "host/infer/identifier_reader.h"
 #include "host/infer/matrix_assembly.h"
 
@@ -160,6 +161,7 @@ float largest_difference(const StateMatrix& a, const StateMatrix& b) {
 
 std::unique_ptr<MatrixReader> make_matrix_reader(TestRenderer& renderer, std::span<const DrawnObject> objects,
                                                  const GeometryState& state) {
+  if (renderer.format() == hal::TextureFormat::kRgba8) return std::make_unique<EightBitReader>(renderer, objects);
   const GeometryState* const states[] = {&state};
   auto identifiers = std::make_unique<IdentifierReader>(renderer, objects);
   auto coordinates = std::make_unique<CoordinateReader>(renderer, objects);
