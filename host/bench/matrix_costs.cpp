@@ -14,6 +14,8 @@
 namespace vitrine {
 namespace {
 
+constexpr int kMostPixelsByBlocks = 320 * 240;  // in which bounding boxes take seconds, not minutes
+
 StateMatrix read_once(MatrixReader& reader, const GeometryState& state) {
   const GeometryState* const states[] = {&state};
   return std::move(reader.read(states).front());
@@ -119,7 +121,7 @@ std::vector<MatrixCost> measure_matrix_costs(hal::Gpu& gpu, const InferenceOptio
   measure(floats, warm(identifiers));
   measure(floats, warm(coordinates));
   measure(bytes, EightBitReader(bytes, objects));
-  measure(floats, BoundingBoxReader(floats, objects));
+  if (options.width * options.height <= kMostPixelsByBlocks) measure(floats, BoundingBoxReader(floats, objects));
   return costs;
 }
 

@@ -10,6 +10,7 @@
 // known which object a supersample shows. Blocks also stay apart while they are halved (the paper halves one at a time).
 #pragma once
 
+#include <cstdint>
 #include <functional>
 
 #include "host/infer/rendering_matrix.h"

@@ -20,10 +20,10 @@ constexpr uint32_t kLargestNumber = (1u << 24) - 1;
 constexpr int kRowsATask = 32;
 constexpr char kOtherDevice[] = "compile on a device with float targets (OSMesa has them)";
 
-// Of solved texels: in the rendering with numbers, and in the four channels of the other one. Evenly spread, so that what is cut
-// off differs from one to the next.
+// Of solved texels: in the rendering with numbers, and in the four channels of the other one. High, as what is cut off is a
+// smaller share of a high one, and some steps apart, so that it differs from one to the next.
 constexpr uint8_t kFull = 255;
-constexpr std::array<uint8_t, 4> kIntensities{204, 153, 102, 51};
+constexpr std::array<uint8_t, 4> kIntensities{240, 225, 210, 195};
 
 // The slope of the least-squares line through nothing and what the intensities became, in steps of the channel (section 3.4).
 float fitted_weight(float full, const glm::vec4& others) {
@@ -60,6 +60,14 @@ T with_number(T texel, uint32_t number) {
   return texel;
 }
 
+void check_countable(const Pyramid& pyramid) {
+  if (pyramid.size() <= kLargestNumber) return;
+  throw InputError("graphics device",
+                   fmt::format("without float targets it cannot tell the texels of a texture of {} x {} apart", pyramid.width(),
+                               pyramid.height()),
+                   kOtherDevice);
+}
+
 std::vector<int> sizes_of(const Pyramid& pyramid, int Pyramid::Level::*size) {
   std::vector<int> sizes;
   for (const Pyramid::Level& level : pyramid.levels()) sizes.push_back(level.*size);
@@ -87,8 +95,10 @@ struct EightBitReader::State {
 
 EightBitReader::EightBitReader(TestRenderer& renderer, std::span<const DrawnObject> objects, std::span<const TextureWraps> wraps)
     : renderer_(&renderer) {
-  for (size_t i = 0; i < objects.size(); ++i)
-    textures_.push_back(make_texture(objects[i], wraps.empty() ? TextureWraps{} : wraps[i], i + 1));
+  std::vector<Pyramid> pyramids;
+  for (const DrawnObject& object : objects) check_countable(pyramids.emplace_back(object.texture_width, object.texture_height));
+  for (size_t i = 0; i < pyramids.size(); ++i)
+    textures_.push_back(make_texture(pyramids[i], wraps.empty() ? TextureWraps{} : wraps[i], i + 1));
 }
 
 EightBitReader::~EightBitReader() {
@@ -97,32 +107,22 @@ EightBitReader::~EightBitReader() {
       renderer_->gpu().destroy(own);
 }
 
-EightBitReader::Texture EightBitReader::make_texture(const DrawnObject& object, const TextureWraps& wraps, size_t number) {
-  Texture texture{.pyramid = Pyramid(object.texture_width, object.texture_height), .wraps = wraps};
-  const Pyramid& pyramid = texture.pyramid;
-  if (pyramid.size() > kLargestNumber)
-    throw InputError("graphics device",
-                     fmt::format("without float targets it cannot tell the texels of a texture of {} x {} apart", pyramid.width(),
-                                 pyramid.height()),
-                     kOtherDevice);
+EightBitReader::Texture EightBitReader::make_texture(const Pyramid& pyramid, const TextureWraps& wraps, size_t number) {
+  Texture texture{.pyramid = pyramid, .wraps = wraps};
   const std::vector<int> widths = sizes_of(pyramid, &Pyramid::Level::width), heights = sizes_of(pyramid, &Pyramid::Level::height);
-  std::vector<Texel8> residues, numbers(pyramid.size(), with_number(Texel8{}, static_cast<uint32_t>(number)));
-  for (int l = 0; l < static_cast<int>(widths.size()); ++l) {
-    texture.solved.push_back({safe_spacing(widths, l, wraps.u), safe_spacing(heights, l, wraps.v)});
-  }
+  constexpr Texel8 kKinds[kLevelSpacing] = {{kFull, 0, 0, 0}, {0, kFull, 0, 0}, {0, 0, kFull, 0}};
+  std::vector<Texel8> residues;
   for (size_t l = 0; l < widths.size(); ++l) {
-    const std::array<Texel8, kLevelSpacing> kinds{Texel8{kFull, 0, 0, 0}, Texel8{0, kFull, 0, 0}, Texel8{0, 0, kFull, 0}};
-    residues.resize(l + 1 < widths.size() ? pyramid.levels()[l + 1].offset : pyramid.size(), kinds[l % kLevelSpacing]);
+    const int level = static_cast<int>(l);
+    texture.solved.push_back({safe_spacing(widths, level, wraps.u), safe_spacing(heights, level, wraps.v)});
+    residues.resize(l + 1 < widths.size() ? pyramid.levels()[l + 1].offset : pyramid.size(), kKinds[l % kLevelSpacing]);
   }
-  const auto upload = [&](std::span<const Texel8> texels) {
-    const hal::Texture created = create_pyramid_texture(renderer_->gpu(), pyramid, hal::TextureFormat::kRgba8, wraps);
-    update_pyramid_texture(renderer_->gpu(), created, pyramid, hal::TextureFormat::kRgba8, std::as_bytes(texels));
-    return created;
-  };
-  texture.residues = upload(residues);
-  texture.number = upload(numbers);
-  texture.pattern = upload(numbers);
-  texture.intensities = upload(numbers);
+  hal::Gpu& gpu = renderer_->gpu();
+  for (hal::Texture* own : {&texture.number, &texture.residues, &texture.pattern, &texture.intensities})
+    *own = create_pyramid_texture(gpu, pyramid, hal::TextureFormat::kRgba8, wraps);
+  const std::vector<Texel8> numbers(pyramid.size(), with_number(Texel8{}, static_cast<uint32_t>(number)));
+  update_pyramid_texture(gpu, texture.number, pyramid, hal::TextureFormat::kRgba8, std::as_bytes(std::span(numbers)));
+  update_pyramid_texture(gpu, texture.residues, pyramid, hal::TextureFormat::kRgba8, std::as_bytes(std::span(residues)));
   return texture;
 }
 

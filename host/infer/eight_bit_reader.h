@@ -12,6 +12,7 @@
 // which itself is rounded at each stage of the device's filter (measured on OSMesa: 2.3/255). So both are taken: a weight is the
 // slope of the least-squares line through five intensities, of which a second rendering of a pattern brings four at once, as it
 // needs no numbers any more; and what a row then lacks of 1 is shared among its entries. Weights below half a step vanish.
+// Devices filter bytes with coarser fractions than floats, so what is read is theirs, not what floats would give.
 #pragma once
 
 #include "host/infer/filter_neighbourhood.h"
@@ -52,7 +53,7 @@ class EightBitReader final : public MatrixReader {
   struct Tap;
   struct State;
 
-  Texture make_texture(const DrawnObject& object, const TextureWraps& wraps, size_t number);
+  Texture make_texture(const Pyramid& pyramid, const TextureWraps& wraps, size_t number);
   std::vector<hal::Texture> textures_of(hal::Texture Texture::*member) const;
   template <typename Body>
   void for_each_solved(const Texture& texture, int residue, int pattern, const Body& body) const;

@@ -8,6 +8,7 @@
 #include <glm/gtc/type_precision.hpp>
 #include <random>
 
+#include "host/base/error.h"
 #include "host/infer/bounding_box_reader.h"
 #include "host/infer/coordinate_reader.h"
 #include "host/infer/eight_bit_reader.h"
@@ -61,6 +62,50 @@ std::vector<DrawnObject> planes_through_each_other() {
           quadrangle({-1, -0.9f, 0.6f}, {2, 0.2f, -1.6f}, {0, 1.7f, 0}, whole, 33, 57),
           quadrangle({-1.2f, -0.7f, 1}, {2.4f, 0.1f, 0}, {0, 0.9f, -2}, whole, 64, 48)};
 }
+
+// A device that knows bytes only.
+class BytesOnlyGpu final : public hal::Gpu {
+ public:
+  explicit BytesOnlyGpu(hal::Gpu& gpu) : gpu_(gpu) {}
+  hal::DeviceInfo info() const override {
+    hal::DeviceInfo info = gpu_.info();
+    info.float_targets = false;
+    return info;
+  }
+  Result<hal::Texture> create_texture(const hal::TextureDesc& desc) override {
+    if (desc.format != hal::TextureFormat::kRgba8) return kRefused;
+    return gpu_.create_texture(desc);
+  }
+  Result<hal::Target> create_target(const hal::TargetDesc& desc) override {
+    if (desc.format != hal::TextureFormat::kRgba8) return kRefused;
+    return gpu_.create_target(desc);
+  }
+  Status read_pixels(hal::Target target, hal::TextureFormat format, std::span<std::byte> pixels) override {
+    if (format != hal::TextureFormat::kRgba8) return kRefused;
+    return gpu_.read_pixels(target, format, pixels);
+  }
+  Status update_texture(hal::Texture texture, int level, int x, int y, int width, int height,
+                        std::span<const std::byte> texels) override {
+    return gpu_.update_texture(texture, level, x, y, width, height, texels);
+  }
+  Result<hal::Mesh> create_mesh(const hal::MeshDesc& desc) override { return gpu_.create_mesh(desc); }
+  Result<hal::Program> create_program(const hal::ProgramDesc& desc) override { return gpu_.create_program(desc); }
+  hal::Texture color_of(hal::Target target) override { return gpu_.color_of(target); }
+  void destroy(hal::Texture texture) override { gpu_.destroy(texture); }
+  void destroy(hal::Mesh mesh) override { gpu_.destroy(mesh); }
+  void destroy(hal::Program program) override { gpu_.destroy(program); }
+  void destroy(hal::Target target) override { gpu_.destroy(target); }
+  Status begin_pass(const hal::PassDesc& desc) override { return gpu_.begin_pass(desc); }
+  Status draw(const hal::Draw& draw) override { return gpu_.draw(draw); }
+  Status end_pass() override { return gpu_.end_pass(); }
+  Status present() override { return gpu_.present(); }
+  int width() const override { return gpu_.width(); }
+  int height() const override { return gpu_.height(); }
+
+ private:
+  static constexpr Status kRefused{StatusCode::kUnsupported, "this device knows bytes only"};
+  hal::Gpu& gpu_;
+};
 
 class MatrixReadersTest : public ::testing::Test {
  protected:
@@ -263,6 +308,23 @@ TEST_F(MatrixReadersTest, SeveralViewsAreReadAtOnceAsOneByOne) {
   EXPECT_EQ(largest_difference(together[1], by_eight_bits()), 0);
   state = other;
   EXPECT_EQ(largest_difference(together[0], by_eight_bits()), 0);
+}
+
+TEST_F(MatrixReadersTest, ADeviceWithoutFloatsIsReadWithoutThem) {
+  prepare(board_and_card(40, 72, 24, 16), SurfaceFilter::kAnisotropic2);
+  BytesOnlyGpu device(*gpu);
+  EXPECT_THROW(TestRenderer(device, options, objects), InputError);
+  TestRenderer renderer(device, options, objects, hal::TextureFormat::kRgba8);
+  const auto reader = make_matrix_reader(renderer, objects, state);
+  EXPECT_STREQ(reader->method(), "eight_bit");
+  const GeometryState* const states[] = {&state};
+  EXPECT_LE(largest_difference(by_identifiers(), reader->read(states)[0]), kTwoSteps);
+}
+
+TEST_F(MatrixReadersTest, ATextureWithMoreTexelsThanNumbersIsRefused) {
+  prepare(board_and_card(8, 8, 24, 16), SurfaceFilter::kTrilinear);
+  objects[0].texture_width = objects[0].texture_height = 4096;
+  EXPECT_THROW(EightBitReader(*bytes, objects), InputError);
 }
 
 }  // namespace
