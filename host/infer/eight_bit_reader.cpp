@@ -154,7 +154,7 @@ void EightBitReader::for_each_solved(const Texture& texture, int residue, int pa
 }
 
 void EightBitReader::update_patterns(int residue, int pattern) {
-  const auto [red, green, blue, alpha] = kIntensities;
+  constexpr Texel8 kSolved{kIntensities[0], kIntensities[1], kIntensities[2], kIntensities[3]};
   for (const Texture& texture : textures_) {
     const auto& levels = texture.pyramid.levels();
     std::vector<Texel8> numbers(texture.pyramid.size()), intensities(texture.pyramid.size());
@@ -163,7 +163,7 @@ void EightBitReader::update_patterns(int residue, int pattern) {
           levels[l].offset + static_cast<size_t>(y) * static_cast<size_t>(levels[l].width) + static_cast<size_t>(x);
       fill_neighbourhood(texture, l, x, y, numbers);
       numbers[texel].alpha = kFull;
-      intensities[texel] = {red, green, blue, alpha};
+      intensities[texel] = kSolved;
     });
     for (const auto& [own, texels] : {std::pair(texture.pattern, &numbers), std::pair(texture.intensities, &intensities)})
       update_pyramid_texture(renderer_->gpu(), own, texture.pyramid, hal::TextureFormat::kRgba8,
