@@ -55,6 +55,12 @@ int FieldShape::block_count() const {
   return count;
 }
 
+int FieldShape::block_of(const GridIndex& sample) const {
+  int block = 0;
+  for (int a = 0; a < space.axis_count; ++a) block = block * blocks_along(a) + (sample[a] + stagger[a]) / block_size[a];
+  return block;
+}
+
 int FieldShape::nodes_per_block() const {
   int count = 0;
   for (int level = 0; level < pyramid.level_count; ++level) count += cells_per_block(*this, level);
@@ -62,15 +68,14 @@ int FieldShape::nodes_per_block() const {
 }
 
 int FieldShape::node_of(const GridIndex& sample, int level) const {
-  int block = 0, cell = 0;
+  int cell = 0;
   for (int a = 0; a < space.axis_count; ++a) {
-    const int shifted = sample[a] + stagger[a], size = block_size[a], width = pyramid.cell[level][a];
-    block = block * blocks_along(a) + shifted / size;
-    cell = cell * (size / width) + shifted % size / width;
+    const int size = block_size[a], width = pyramid.cell[level][a];
+    cell = cell * (size / width) + (sample[a] + stagger[a]) % size / width;
   }
   int first = 0;
   for (int l = 0; l < level; ++l) first += cells_per_block(*this, l);
-  return block * nodes_per_block() + first + cell;
+  return block_of(sample) * nodes_per_block() + first + cell;
 }
 
 int FieldShape::level_of(int node) const {

@@ -71,10 +71,11 @@ PartialPicture object_layers(const Frame& frame, int object, float white) {
   return layers;
 }
 
-LinearTexture map_forward(const DrawnObject& object, const glm::mat4& clip_from_object, const PartialPicture& layers) {
+LinearTexture map_forward(const DrawnObject& object, const Placement& placement, const glm::mat4& clip_from_object,
+                          const PartialPicture& layers) {
   const std::vector<glm::vec3> filled = fill_by_reflection(layers);
-  const std::vector<SurfacePoint> points = surface_points(object, object.texture_width, object.texture_height);
-  PartialPicture texels{object.texture_width, object.texture_height, std::vector<glm::vec3>(points.size(), glm::vec3(0)),
+  const std::vector<SurfacePoint> points = surface_points(object, placement);
+  PartialPicture texels{placement.size.width, placement.size.height, std::vector<glm::vec3>(points.size(), glm::vec3(0)),
                         std::vector<uint8_t>(points.size())};
   tbb::parallel_for(size_t{0}, points.size(), [&](size_t i) {
     if (points[i].triangle < 0) return;

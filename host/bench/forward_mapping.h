@@ -18,8 +18,9 @@ namespace vitrine {
 // less than half of a pixel.
 PartialPicture object_layers(const Frame& frame, int object, float white);
 
-// A texture of the object's size. `layers` is filled by reflection first, beyond the picture's edge too; texels that no triangle
-// covers are filled from their neighbours.
-LinearTexture map_forward(const DrawnObject& object, const glm::mat4& clip_from_object, const PartialPicture& layers);
+// A texture that lies as `placement` says. `layers` is filled by reflection first, beyond the picture's edge too; texels that no
+// triangle covers are filled from their neighbours.
+LinearTexture map_forward(const DrawnObject& object, const Placement& placement, const glm::mat4& clip_from_object,
+                          const PartialPicture& layers);
 
 }  // namespace vitrine

@@ -1,7 +1,10 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 #include "host/bench/frozen_scene.h"
 
+#include <algorithm>
+
 #include "host/base/error.h"
+#include "host/infer/fields.h"
 #include "host/scene/deformation.h"
 
 namespace vitrine {
@@ -73,6 +76,64 @@ Scene frozen_at(const Scene& scene, const Position& position) {
   for (Light& light : frozen.lights) keep_value(light, sample);
   for (Axis& axis : frozen.axes) axis.shape = {AxisKind::kLinear, 1};
   return frozen;
+}
+
+namespace {
+
+// Positions p of an axis become scale * (p - first).
+struct AxisPart {
+  float first = 0, scale = 1;
+};
+
+RigTrack part_of(const RigTrack& track, const AxisPart& part, std::vector<std::vector<float>>& data) {
+  RigTrack result = track;
+  std::vector<float> positions(track.positions.begin(), track.positions.end()), values(track.values.begin(), track.values.end());
+  for (float& position : positions) position = part.scale * (position - part.first);
+  if (track.interpolation == Interpolation::kCubicSpline) {  // in-tangent, value, out-tangent: slopes over positions
+    const size_t width = values.size() / positions.size() / 3;
+    for (size_t i = 0; i < values.size(); ++i)
+      if (i / width % 3 != 1) values[i] /= part.scale;
+  }
+  data.push_back(std::move(positions));
+  result.positions = data.back();
+  data.push_back(std::move(values));
+  result.values = data.back();
+  return result;
+}
+
+}  // namespace
+
+Scene middle_run(const Scene& scene, int samples) {
+  check_rigid(scene);
+  const Position middle = middle_position(scene);
+  const GridIndex sample = scene.space().nearest_sample(middle);
+  const AxisMask camera = only_camera_axes(scene);
+  Scene run = scene;
+  std::vector<AxisPart> parts;
+  bool kept = false;
+  for (size_t a = 0; a < scene.axes.size(); ++a) {
+    AxisShape& shape = run.axes[a].shape;
+    const int steps = shape.kind == AxisKind::kPeriodic ? shape.samples : shape.samples - 1,
+              count = std::min(samples, shape.samples);
+    parts.push_back({middle[a], 1});
+    if (!kept && (camera >> a & 1) && moves_between_samples(scene.axes[a]) && count > 1) {
+      const auto all = static_cast<float>(steps);
+      parts.back() = {static_cast<float>((shape.samples - count) / 2) / all, all / static_cast<float>(count - 1)};
+      shape = {AxisKind::kLinear, count};
+      kept = true;
+    } else {
+      shape = {AxisKind::kLinear, 1};
+    }
+  }
+  run.track_data.clear();
+  run.track_data.reserve(2 * scene.tracks.size());
+  for (RigTrack& track : run.tracks) track = part_of(track, parts[track.axis], run.track_data);
+  for (Object& object : run.objects) {
+    keep_value(object, sample);
+    keep_variant(object, pose_scene(scene, middle).variant);
+  }
+  for (Light& light : run.lights) keep_value(light, sample);
+  return run;
 }
 
 }  // namespace vitrine

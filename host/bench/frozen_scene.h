@@ -17,4 +17,8 @@ std::optional<Position> half_step_on(const Scene& scene, const Position& sample)
 // The scene as it is at `position`, with one sample along every axis. Throws InputError where an axis deforms an object.
 Scene frozen_at(const Scene& scene, const Position& position);
 
+// The scene with `samples` consecutive samples, or all there are, in the middle of the first axis that moves nothing but the
+// camera, and one sample, the middle one, along the others. Throws InputError where an axis deforms an object.
+Scene middle_run(const Scene& scene, int samples);
+
 }  // namespace vitrine

@@ -3,9 +3,7 @@
 // Three ways to make textures that reproduce a traced picture (Hakura 2001, section 3.6), drawn through each filter of the target
 // and compared with ground truth: at the view whose picture they were made from, between views, and at other resolutions.
 //
-// What is compared is an object's own picture, as tracer and target both have it: the light of the parts of a pixel where the
-// object is seen in front of all others, through the pixel filter, divided by its coverage. So no method is charged for another
-// object's texture, nor for edges, which no texture can change; pixels that the object covers by half or more count, in both.
+// What is compared are objects' own pictures (host/bench/object_pictures.h).
 #pragma once
 
 #include <string>

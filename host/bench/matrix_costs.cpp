@@ -81,13 +81,13 @@ float largest_difference_from(std::span<const glm::vec4> picture, const TestRend
   return largest;
 }
 
-float largest_rendering_difference(TestRenderer& renderer, std::span<const DrawnObject> objects, const GeometryState& state,
+float largest_rendering_difference(TestRenderer& renderer, std::span<const TextureSize> sizes, const GeometryState& state,
                                    const StateMatrix& matrix) {
   std::mt19937 random(1);
   std::vector<Bytes> texels;
   std::vector<hal::Texture> textures;
-  for (const DrawnObject& object : objects) {
-    const Pyramid pyramid(object.texture_width, object.texture_height);
+  for (const TextureSize& size : sizes) {
+    const Pyramid pyramid(size.width, size.height);
     texels.push_back(random_texels(pyramid.size(), random));
     textures.push_back(upload(renderer, pyramid, texels.back()));
   }
@@ -103,25 +103,25 @@ float largest_rendering_difference(TestRenderer& renderer, std::span<const Drawn
 }  // namespace
 
 std::vector<MatrixCost> measure_matrix_costs(hal::Gpu& gpu, const InferenceOptions& options, std::span<const DrawnObject> objects,
-                                             const GeometryState& state) {
+                                             std::span<const TextureSize> sizes, const GeometryState& state) {
   std::vector<MatrixCost> costs;
   StateMatrix reference;
   const auto measure = [&](TestRenderer& renderer, MatrixReader&& reader) {
     MatrixCost& cost = costs.emplace_back();
     const StateMatrix matrix = read_timed(reader, state, cost);
     cost.row_sum_error = largest_row_sum_error(matrix);
-    cost.rendering_difference = largest_rendering_difference(renderer, objects, state, matrix);
+    cost.rendering_difference = largest_rendering_difference(renderer, sizes, state, matrix);
     if (reference.empty()) reference = matrix;
     cost.difference = largest_difference(reference, matrix);
   };
   const auto warm = [&](MatrixReader& reader) -> MatrixReader&& { return read_once(reader, state), std::move(reader); };
   TestRenderer floats(gpu, options, objects), bytes(gpu, options, objects, hal::TextureFormat::kRgba8);
-  IdentifierReader identifiers(floats, objects);
-  CoordinateReader coordinates(floats, objects);
+  IdentifierReader identifiers(floats, sizes);
+  CoordinateReader coordinates(floats, sizes);
   measure(floats, warm(identifiers));
   measure(floats, warm(coordinates));
-  measure(bytes, EightBitReader(bytes, objects));
-  if (options.width * options.height <= kMostPixelsByBlocks) measure(floats, BoundingBoxReader(floats, objects));
+  measure(bytes, EightBitReader(bytes, sizes));
+  if (options.width * options.height <= kMostPixelsByBlocks) measure(floats, BoundingBoxReader(floats, sizes));
   return costs;
 }
 

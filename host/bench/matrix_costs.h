@@ -22,10 +22,10 @@ struct MatrixCost {
   float row_sum_error = 0;         // |row sum - 1|
 };
 
-// Reads the matrix of all `objects` (texture sizes final) in one view by every method, by bounding boxes only in pictures of at
-// most 320 x 240 pixels, as they take minutes in larger ones; the largest of each difference. What readers keep from view to view
-// is not timed. `options`: the filter and the picture's size. Throws InputError where a device refuses.
+// Reads the matrix of all `objects`, with textures of these `sizes`, in one view by every method, by bounding boxes only in
+// pictures of at most 320 x 240 pixels, as they take minutes in larger ones; the largest of each difference. What readers keep
+// from view to view is not timed. `options`: the filter and the picture's size. Throws InputError where a device refuses.
 std::vector<MatrixCost> measure_matrix_costs(hal::Gpu& gpu, const InferenceOptions& options, std::span<const DrawnObject> objects,
-                                             const GeometryState& state);
+                                             std::span<const TextureSize> sizes, const GeometryState& state);
 
 }  // namespace vitrine

@@ -26,13 +26,23 @@ glm::vec3 corner_position(const MeshVertex& v) { return {v.x, v.y, v.z}; }
 // Corners of one triangle in units of cells.
 using CellTriangle = std::array<glm::dvec2, 3>;
 
-void fill_triangle(const DrawnObject& object, int triangle, int width, int height, std::vector<SurfacePoint>& points) {
+bool is_torn(const std::array<const MeshVertex*, 3>& vertex, const glm::vec2& cut) {
+  const auto parts = [&](float MeshVertex::*coordinate, float at) {
+    const bool first = vertex[0]->*coordinate < at;
+    return (vertex[1]->*coordinate < at) != first || (vertex[2]->*coordinate < at) != first;
+  };
+  return parts(&MeshVertex::u, cut.x) || parts(&MeshVertex::v, cut.y);
+}
+
+void fill_triangle(const DrawnObject& object, int triangle, const Placement& placement, std::vector<SurfacePoint>& points) {
+  const auto [width, height] = placement.size;
   std::array<const MeshVertex*, 3> vertex;
   CellTriangle p;
   for (size_t k = 0; k < 3; ++k) {
     vertex[k] = &object.vertices[object.indices[3 * static_cast<size_t>(triangle) + k]];
-    p[k] = {static_cast<double>(vertex[k]->u) * width, static_cast<double>(vertex[k]->v) * height};
+    p[k] = glm::dvec2(placement.map({vertex[k]->u, vertex[k]->v})) * glm::dvec2(width, height);
   }
+  if (is_torn(vertex, placement.map.cut)) return;
   const double area = cross(p[1] - p[0], p[2] - p[0]);
   if (area == 0) return;
   const auto [x0, x1] = cells_between(std::min({p[0].x, p[1].x, p[2].x}), std::max({p[0].x, p[1].x, p[2].x}), width);
@@ -51,9 +61,9 @@ void fill_triangle(const DrawnObject& object, int triangle, int width, int heigh
 
 }  // namespace
 
-std::vector<SurfacePoint> surface_points(const DrawnObject& object, int width, int height) {
-  std::vector<SurfacePoint> points(static_cast<size_t>(width) * static_cast<size_t>(height));
-  for (size_t t = 0; 3 * t < object.indices.size(); ++t) fill_triangle(object, static_cast<int>(t), width, height, points);
+std::vector<SurfacePoint> surface_points(const DrawnObject& object, const Placement& placement) {
+  std::vector<SurfacePoint> points(static_cast<size_t>(placement.size.width) * static_cast<size_t>(placement.size.height));
+  for (size_t t = 0; 3 * t < object.indices.size(); ++t) fill_triangle(object, static_cast<int>(t), placement, points);
   return points;
 }
 

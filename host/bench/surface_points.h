@@ -19,8 +19,9 @@ struct SurfacePoint {
   glm::vec3 position{0};  // node space
 };
 
-// At the centres of width x height cells over [0, 1]^2, rows v = 0 first. Where triangles overlap, the first counts.
-std::vector<SurfacePoint> surface_points(const DrawnObject& object, int width, int height);
+// At the centres of a texture's texels, rows v = 0 first. Where triangles overlap, the first counts; those that a branch cut
+// tears are left out: nothing of them is seen.
+std::vector<SurfacePoint> surface_points(const DrawnObject& object, const Placement& placement);
 
 // Where a picture of `size` pixels shows a point of node space, hidden or not: in pixels from the top left corner, pixel
 // centres at halves; may lie outside. Nothing behind the camera.

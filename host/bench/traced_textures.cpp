@@ -120,8 +120,9 @@ struct ObjectTrace {
   }
 };
 
-PartialPicture trace_points(const ObjectTrace& points_of, int width, int height, Progress& progress) {
-  const std::vector<SurfacePoint> points = surface_points(points_of.object, width, height);
+PartialPicture trace_points(const ObjectTrace& points_of, const Placement& placement, Progress& progress) {
+  const int width = kPoints * placement.size.width, height = kPoints * placement.size.height;
+  const std::vector<SurfacePoint> points = surface_points(points_of.object, {{width, height}, placement.map});
   PartialPicture picture{width, height, std::vector<glm::vec3>(points.size(), glm::vec3(0)), std::vector<uint8_t>(points.size())};
   tbb::parallel_for(0, height, [&](int y) {
     progress.advance(0);
@@ -142,7 +143,8 @@ PartialPicture trace_points(const ObjectTrace& points_of, int width, int height,
 TextureTracer::TextureTracer(const Scene& scene) : impl_(std::make_unique<Impl>(scene)) {}
 TextureTracer::~TextureTracer() = default;
 
-LinearTexture TextureTracer::trace(const DrawnObject& object, const TextureTraceOptions& options, Progress& progress) const {
+LinearTexture TextureTracer::trace(const DrawnObject& object, const Placement& placement, const TextureTraceOptions& options,
+                                   Progress& progress) const {
   const trace::World& world = impl_->world;
   const Scene& scene = world.scene();
   const Pose& pose = world.current_pose();
@@ -158,9 +160,8 @@ LinearTexture TextureTracer::trace(const DrawnObject& object, const TextureTrace
                         options,
                         placed,
                         clip_from_camera(scene.camera, aspect) * glm::inverse(pose.world_from_camera) * placed};
-  const int width = object.texture_width, height = object.texture_height;
-  const PartialPicture points = trace_points(own, kPoints * width, kPoints * height, progress);
-  return decimate_points(fill_from_neighbors(points), width, height);
+  const PartialPicture points = trace_points(own, placement, progress);
+  return decimate_points(fill_from_neighbors(points), placement.size.width, placement.size.height);
 }
 
 }  // namespace vitrine

@@ -25,9 +25,10 @@ class TextureTracer {
   // Keeps a reference to `scene`, which is traced at its first sample.
   explicit TextureTracer(const Scene& scene);
   ~TextureTracer();
-  // A texture of the object's size; each layer is cut at display white as inference cuts them. Points that no triangle covers, or
-  // behind the camera, are filled from their neighbours. Asks `progress` for an interruption. Threads do not change the result.
-  LinearTexture trace(const DrawnObject& object, const TextureTraceOptions& options,
+  // A texture that lies as `placement` says; each layer is cut at display white as inference cuts them. Points that no triangle
+  // covers, or behind the camera, are filled from their neighbours. Asks `progress` for an interruption. Threads do not change
+  // the result.
+  LinearTexture trace(const DrawnObject& object, const Placement& placement, const TextureTraceOptions& options,
                       Progress& progress = silent_progress()) const;
 
  private:

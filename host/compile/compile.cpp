@@ -109,11 +109,10 @@ std::vector<float> attention(const Inference& inference) {
 
 FieldSource field_source(const Scene& scene, const Inference& inference, int number, float attention, const Store& store) {
   const Field& field = inference.fields[number];
-  const DrawnObject& object = inference.objects[field.drawn_object];
   FieldSource source;
   source.space = field.space;
-  source.width = object.texture_width;
-  source.height = object.texture_height;
+  source.width = field.texture_width;
+  source.height = field.texture_height;
   source.importance = field.importance;
   for (float& importance : source.importance) importance *= attention;
   source.block_size = field.block_size;

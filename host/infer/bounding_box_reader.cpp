@@ -61,11 +61,11 @@ void BoundingBoxReader::Box::include(int x, int y) {
   top = std::max(top, y);
 }
 
-BoundingBoxReader::BoundingBoxReader(TestRenderer& renderer, std::span<const DrawnObject> objects,
+BoundingBoxReader::BoundingBoxReader(TestRenderer& renderer, std::span<const TextureSize> sizes,
                                      std::span<const TextureWraps> wraps)
     : renderer_(&renderer) {
-  for (size_t i = 0; i < objects.size(); ++i) {
-    const Pyramid& pyramid = pyramids_.emplace_back(objects[i].texture_width, objects[i].texture_height);
+  for (size_t i = 0; i < sizes.size(); ++i) {
+    const Pyramid& pyramid = pyramids_.emplace_back(sizes[i].width, sizes[i].height);
     const TextureWraps own = wraps.empty() ? TextureWraps{} : wraps[i];
     const std::vector<glm::vec4> black(pyramid.size(), kNothing), number(pyramid.size(), glm::vec4(i + 1));
     for (const auto& [list, texels] : {std::pair(&textures_, &black), std::pair(&numbers_, &number)}) {

@@ -21,8 +21,9 @@ class TapRows;
 
 class BoundingBoxReader final : public MatrixReader {
  public:
-  // `renderer` draws kRgba32f pictures. Texture sizes of `objects` are final; `wraps`: of each texture, or empty: none repeats.
-  BoundingBoxReader(TestRenderer& renderer, std::span<const DrawnObject> objects, std::span<const TextureWraps> wraps = {});
+  // `renderer` draws kRgba32f pictures. `sizes`: of the texture that each object is drawn with; `wraps`: of each, or empty: none
+  // repeats.
+  BoundingBoxReader(TestRenderer& renderer, std::span<const TextureSize> sizes, std::span<const TextureWraps> wraps = {});
   ~BoundingBoxReader() override;
   BoundingBoxReader(const BoundingBoxReader&) = delete;
   BoundingBoxReader& operator=(const BoundingBoxReader&) = delete;

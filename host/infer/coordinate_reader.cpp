@@ -45,8 +45,8 @@ void add_trilinear(const Pyramid& pyramid, const glm::vec4& at, float share, Sam
 
 }  // namespace
 
-CoordinateReader::CoordinateReader(TestRenderer& renderer, std::span<const DrawnObject> objects) : renderer_(&renderer) {
-  for (const DrawnObject& object : objects) pyramids_.emplace_back(object.texture_width, object.texture_height);
+CoordinateReader::CoordinateReader(TestRenderer& renderer, std::span<const TextureSize> sizes) : renderer_(&renderer) {
+  for (const TextureSize& size : sizes) pyramids_.emplace_back(size.width, size.height);
   identifiers_ = create_identifier_textures(renderer, pyramids_);
 }
 

@@ -10,8 +10,8 @@ namespace vitrine {
 
 class CoordinateReader final : public MatrixReader {
  public:
-  // Texture sizes of `objects` are final.
-  CoordinateReader(TestRenderer& renderer, std::span<const DrawnObject> objects);
+  // `sizes`: of the texture that each object is drawn with.
+  CoordinateReader(TestRenderer& renderer, std::span<const TextureSize> sizes);
   ~CoordinateReader() override;
   CoordinateReader(const CoordinateReader&) = delete;
   CoordinateReader& operator=(const CoordinateReader&) = delete;

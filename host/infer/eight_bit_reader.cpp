@@ -93,10 +93,10 @@ struct EightBitReader::State {
   std::vector<Tap> taps;
 };
 
-EightBitReader::EightBitReader(TestRenderer& renderer, std::span<const DrawnObject> objects, std::span<const TextureWraps> wraps)
+EightBitReader::EightBitReader(TestRenderer& renderer, std::span<const TextureSize> sizes, std::span<const TextureWraps> wraps)
     : renderer_(&renderer) {
   std::vector<Pyramid> pyramids;
-  for (const DrawnObject& object : objects) check_countable(pyramids.emplace_back(object.texture_width, object.texture_height));
+  for (const TextureSize& size : sizes) check_countable(pyramids.emplace_back(size.width, size.height));
   for (size_t i = 0; i < pyramids.size(); ++i)
     textures_.push_back(make_texture(pyramids[i], wraps.empty() ? TextureWraps{} : wraps[i], i + 1));
 }

@@ -24,9 +24,9 @@ class TapRows;
 
 class EightBitReader final : public MatrixReader {
  public:
-  // `renderer` draws kRgba8 pictures. Texture sizes of `objects` are final; `wraps`: of each texture, or empty: none repeats.
-  // Throws InputError where a texture has more texels than 24 bits tell apart.
-  EightBitReader(TestRenderer& renderer, std::span<const DrawnObject> objects, std::span<const TextureWraps> wraps = {});
+  // `renderer` draws kRgba8 pictures. `sizes`: of the texture that each object is drawn with; `wraps`: of each, or empty: none
+  // repeats. Throws InputError where a texture has more texels than 24 bits tell apart.
+  EightBitReader(TestRenderer& renderer, std::span<const TextureSize> sizes, std::span<const TextureWraps> wraps = {});
   ~EightBitReader() override;
   EightBitReader(const EightBitReader&) = delete;
   EightBitReader& operator=(const EightBitReader&) = delete;

@@ -77,27 +77,40 @@ int64_t field_sample_of(const ParameterSpace& space, AxisMask axes, int64_t grid
   return space.restricted(axes).flat_from_index(index);
 }
 
-std::vector<SolveGroup> make_groups(const ParameterSpace& space, AxisMask axes, const StateTable& states, int field,
+uint16_t map_number(const Field& field, int64_t flat) {
+  if (field.block_maps.empty()) return 0;
+  FieldShape shape;
+  shape.space = field.space;
+  shape.block_size = field.block_size;
+  shape.stagger = field.stagger;
+  return field.block_maps[static_cast<size_t>(shape.block_of(field.space.index_from_flat(flat)))];
+}
+
+const TextureMap& map_of(const Field& field, int64_t flat) { return field.maps[map_number(field, flat)]; }
+
+std::vector<SolveGroup> make_groups(const ParameterSpace& space, const Field& field, int number, const StateTable& states,
                                     size_t max_textures, size_t stride) {
   std::map<int64_t, std::map<int, std::vector<int64_t>>> seen;  // texture -> state -> grid samples
   for (int64_t sample = 0; sample < space.sample_count(); ++sample)
-    seen[field_sample_of(space, axes, sample)][states.state_of_sample[static_cast<size_t>(sample)]].push_back(sample);
-  std::map<std::vector<int>, std::vector<int64_t>> by_states;
+    seen[field_sample_of(space, field.axes, sample)][states.state_of_sample[static_cast<size_t>(sample)]].push_back(sample);
+  std::map<std::pair<uint16_t, std::vector<int>>, std::vector<int64_t>> alike;  // by map and states
   for (const auto& [texture, uses] : seen) {
     std::vector<int> key;
     for (const auto& use : uses) key.push_back(use.first);
-    by_states[key].push_back(texture);
+    alike[{map_number(field, texture), key}].push_back(texture);
   }
   std::vector<SolveGroup> groups;
-  for (const auto& [key, textures] : by_states)
+  for (const auto& [key, textures] : alike)
     for (size_t begin = 0; begin < textures.size(); begin += max_textures) {
-      SolveGroup group{field,
+      SolveGroup group{number,
+                       key.first,
                        {textures.begin() + static_cast<ptrdiff_t>(begin),
                         textures.begin() + static_cast<ptrdiff_t>(std::min(textures.size(), begin + max_textures))},
                        {}};
-      for (size_t s = 0; s < key.size(); s += stride) {
-        SolveGroup::Use use{key[s], {}};
-        for (const int64_t texture : group.textures) use.samples.push_back(seen[texture][key[s]]);
+      for (size_t s = 0; s < key.second.size(); s += stride) {
+        const int state = key.second[s];
+        SolveGroup::Use use{state, {}};
+        for (const int64_t texture : group.textures) use.samples.push_back(seen[texture][state]);
         group.uses.push_back(std::move(use));
       }
       groups.push_back(std::move(group));

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/parameter_space.h"
+#include "host/infer/inference.h"
 #include "host/scene/scene.h"
 
 namespace vitrine {
@@ -30,6 +31,10 @@ StateTable make_states(const ParameterSpace& space, AxisMask geometry_axes);
 // variants, and of the backdrop, only the axes that switch its own material or emission. Axes with one sample never count.
 AxisMask field_axes(const Scene& scene, const Object& object, Layer layer);
 
+// Which of the field's maps its texture `flat` (in its own space) is laid on by.
+uint16_t map_number(const Field& field, int64_t flat);
+const TextureMap& map_of(const Field& field, int64_t flat);
+
 // The flat number of a grid sample within the space restricted to `axes`.
 int64_t field_sample_of(const ParameterSpace& space, AxisMask axes, int64_t grid_sample);
 
@@ -40,11 +45,12 @@ struct SolveGroup {
     std::vector<std::vector<int64_t>> samples;  // per texture: grid samples in this state; their layers are averaged
   };
   int field = 0;
+  uint16_t map = 0;               // of Field::maps
   std::vector<int64_t> textures;  // flat numbers in the field's space
   std::vector<Use> uses;          // ascending states
 };
-// At most `max_textures` to a group; of a group's states only every `stride`-th is used.
-std::vector<SolveGroup> make_groups(const ParameterSpace& space, AxisMask axes, const StateTable& states, int field,
+// At most `max_textures` to a group; of a group's states only every `stride`-th is used. `number`: of the field.
+std::vector<SolveGroup> make_groups(const ParameterSpace& space, const Field& field, int number, const StateTable& states,
                                     size_t max_textures, size_t stride);
 
 }  // namespace vitrine

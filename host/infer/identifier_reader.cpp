@@ -95,11 +95,11 @@ struct IdentifierReader::Tap {
   unsigned residues = 0;
 };
 
-IdentifierReader::IdentifierReader(TestRenderer& renderer, std::span<const DrawnObject> objects, size_t texture_bytes)
+IdentifierReader::IdentifierReader(TestRenderer& renderer, std::span<const TextureSize> sizes, size_t texture_bytes)
     : renderer_(&renderer), patterns_(kRenderings) {
   size_t texels = 0;
-  for (const DrawnObject& object : objects) {
-    pyramids_.emplace_back(object.texture_width, object.texture_height);
+  for (const TextureSize& size : sizes) {
+    pyramids_.emplace_back(size.width, size.height);
     texels += pyramids_.back().size();
   }
   identifiers_ = create_identifier_textures(renderer, pyramids_);

@@ -16,8 +16,8 @@ namespace vitrine {
 
 class IdentifierReader final : public MatrixReader {
  public:
-  // Texture sizes of `objects` are final. Keeps textures of all patterns while they fit into `texture_bytes`.
-  IdentifierReader(TestRenderer& renderer, std::span<const DrawnObject> objects, size_t texture_bytes = size_t{1} << 30);
+  // `sizes`: of the texture that each object is drawn with. Keeps textures of all patterns while they fit into `texture_bytes`.
+  IdentifierReader(TestRenderer& renderer, std::span<const TextureSize> sizes, size_t texture_bytes = size_t{1} << 30);
   ~IdentifierReader() override;
   IdentifierReader(const IdentifierReader&) = delete;
   IdentifierReader& operator=(const IdentifierReader&) = delete;

@@ -11,7 +11,7 @@
 #include "host/infer/inference_run.h"
 #include "host/infer/light_survey.h"
 #include "host/infer/parameterization.h"
-#include "host/infer/texture_size.h"
+#include "host/infer/texture_layout.h"
 
 namespace vitrine {
 namespace {
@@ -41,18 +41,26 @@ bool is_constant_backdrop(const Object& object, const ObjectLight& light) {
   return object.follows_camera && is_constant(light[0]) && !carries_light(light[1]);
 }
 
-// Objects that some state shows, with their texture sizes.
-std::vector<DrawnObject> fit_objects(const Scene& scene, std::vector<DrawnObject> all, const std::vector<ObjectSurvey>& surveys,
-                                     const std::vector<ObjectLight>& lights, const InferenceOptions& options) {
-  std::vector<DrawnObject> fitted;
+// Objects that some state shows.
+std::vector<DrawnObject> visible_objects(std::vector<DrawnObject> all, std::vector<std::vector<VisibleSurface>>& surfaces) {
+  std::vector<DrawnObject> visible;
+  std::vector<std::vector<VisibleSurface>> theirs(surfaces.size());
   for (size_t i = 0; i < all.size(); ++i) {
-    if (!surveys[i].visible()) continue;
-    const Object& object = scene.objects[static_cast<size_t>(all[i].object)];
-    const int limit = is_constant_backdrop(object, lights[static_cast<size_t>(all[i].object)]) ? 8 : options.max_texture_size;
-    fit_texture(all[i], surveys[i], options.texels_per_pixel * object.resolution_scale, limit);
-    fitted.push_back(std::move(all[i]));
+    if (std::none_of(surfaces.begin(), surfaces.end(), [&](const auto& state) { return state[i].visible(); })) continue;
+    visible.push_back(std::move(all[i]));
+    for (size_t s = 0; s < surfaces.size(); ++s) theirs[s].push_back(std::move(surfaces[s][i]));
   }
-  return fitted;
+  surfaces = std::move(theirs);
+  return visible;
+}
+
+// Surfaces of the states of `from` for those of `to`: without the objects that are not seen, fewer states differ.
+std::vector<std::vector<VisibleSurface>> in_order_of(const StateTable& to, const StateTable& from,
+                                                     std::vector<std::vector<VisibleSurface>> surfaces) {
+  std::vector<std::vector<VisibleSurface>> result;
+  for (const auto& samples : to.samples_of_state)
+    result.push_back(std::move(surfaces[static_cast<size_t>(from.state_of_sample[static_cast<size_t>(samples.front())])]));
+  return result;
 }
 
 std::vector<Field> make_fields(const Scene& scene, const std::vector<DrawnObject>& objects,
@@ -62,22 +70,33 @@ std::vector<Field> make_fields(const Scene& scene, const std::vector<DrawnObject
     for (const Layer layer : kLayers) {
       const auto object = static_cast<size_t>(objects[i].object);
       if (!carries_light(lights[object][static_cast<size_t>(layer)])) continue;
-      const AxisMask axes = field_axes(scene, scene.objects[object], layer);
       Field field;
       field.drawn_object = static_cast<int>(i);
       field.layer = layer_name(layer);
-      field.axes = axes;
-      field.space = scene.space().restricted(axes);
-      field.texture_width = objects[i].texture_width;
-      field.texture_height = objects[i].texture_height;
+      field.axes = field_axes(scene, scene.objects[object], layer);
+      field.space = scene.space().restricted(field.axes);
       fields.push_back(std::move(field));
     }
   for (size_t f = 0; f < fields.size(); ++f) {
     fields[f].block_size = block_size_of(fields[f].space);
     fields[f].stagger = stagger_of(static_cast<int>(f), static_cast<int>(fields.size()), fields[f].space, fields[f].block_size);
-    fields[f].maps.resize(1);
   }
   return fields;
+}
+
+void lay_out_fields(const Scene& scene, const std::vector<ObjectLight>& lights, const InferenceOptions& options,
+                    const StateTable& states, const std::vector<std::vector<VisibleSurface>>& surfaces, Inference& inference) {
+  for (Field& field : inference.fields) {
+    const auto drawn = static_cast<size_t>(field.drawn_object);
+    const auto number = static_cast<size_t>(inference.objects[drawn].object);
+    const Object& object = scene.objects[number];
+    LayoutOptions layout{options.fit, options.max_texture_size, options.layout, scene.settings.interpolate};
+    layout.fit.texels_per_pixel *= object.resolution_scale;
+    if (is_constant_backdrop(object, lights[number])) layout.max_size = 8;
+    std::vector<const VisibleSurface*> own;
+    for (const auto& state : surfaces) own.push_back(&state[drawn]);
+    lay_out(states, scene.space(), own, layout, field);
+  }
 }
 
 // Shown, and black in every picture: most often a closed room without a lamp, or a lamp that does not reach.
@@ -112,15 +131,14 @@ Inference infer_textures(const Scene& scene, const std::vector<StoreKey>& frames
   std::vector<DrawnObject> all = draw_objects(scene);
   const GeometryStates all_states = states_of(all);
   inference.objects = objects_in_picture(std::move(all), all_states.states);
-  std::vector<ObjectSurvey> surveys;
-  {
-    TestRenderer renderer(gpu, options, inference.objects);
-    surveys = survey_objects(renderer, inference.objects.size(), options.supersampling, states_of(inference.objects).states);
-  }
-  inference.objects = fit_objects(scene, std::move(inference.objects), surveys, lights, options);
+  const GeometryStates in_picture = states_of(inference.objects);
+  auto surfaces = survey_surfaces(gpu, options, inference.objects, in_picture.states);
+  inference.objects = visible_objects(std::move(inference.objects), surfaces);
+  GeometryStates geometry = states_of(inference.objects);
+  surfaces = in_order_of(geometry.table, in_picture.table, std::move(surfaces));
   inference.fields = make_fields(scene, inference.objects, lights);
   inference.warnings = warn_of_darkness(scene, inference.objects, inference.fields);
-  GeometryStates geometry = states_of(inference.objects);
+  lay_out_fields(scene, lights, options, geometry.table, surfaces, inference);
   const size_t stride = stride_for_memory(geometry.states.size(), options);
   if (stride > 1)
     inference.warnings.push_back(

@@ -27,14 +27,25 @@
 
 namespace vitrine {
 
-// An object as the target draws it: its mesh with the texture coordinates of its own texture domain.
+// An object as the target draws it: its mesh with coordinates in [0, 1]^2, onto which textures are laid by maps.
 struct DrawnObject {
   int object = 0;                    // index into Scene::objects
   std::vector<MeshVertex> vertices;  // node space
   std::vector<uint32_t> indices;
   std::vector<uint32_t> triangles;  // per triangle of `indices`: its number in the object's Geometry
   uint32_t culled_index_count = 0;  // the first of them are single-sided
-  int texture_width = 0, texture_height = 0;
+};
+
+struct TextureSize {
+  int width = 0, height = 0;  // texels
+  auto operator<=>(const TextureSize&) const = default;
+};
+
+// A texture's size, and how it lies on its object's mesh.
+struct Placement {
+  TextureSize size;
+  TextureMap map;
+  bool operator==(const Placement&) const = default;
 };
 
 // One layer of one object over the axes on which it depends.
@@ -45,6 +56,7 @@ struct Field {
   ParameterSpace space;  // the scene's, restricted to `axes`
   AxisSizes block_size{}, stagger{};
   int texture_width = 0, texture_height = 0;
+  TextureSize size() const { return {texture_width, texture_height}; }
   std::vector<TextureMap> maps;      // of textures onto the object's mesh
   std::vector<uint16_t> block_maps;  // per block (as FieldShape numbers them): which of them; empty: all the first
   std::vector<StoreKey> textures;    // per sample of `space` (flat): planes "R", "G", "B": linear radiance; row 0 is v = 0
@@ -57,12 +69,25 @@ struct Inference {
   std::vector<std::string> warnings;  // one line each: views left out for want of memory, ...
 };
 
+// How fine textures are (host/infer/texture_coordinates.h).
+struct TextureFitOptions {
+  float stretch_bound = 1.25f;    // output pixels along a texel, at most
+  float stretch_share = 0.95f;    // of what is seen keeps to that; 1: all
+  float texels_per_pixel = 1.0f;  // along one dimension: scales the map that keeps to the bound
+};
+
+enum class TextureLayout : uint8_t {
+  kFitted,       // a map for what each block shows
+  kWholeDomain,  // the mesh's own coordinates as they are: what fitted ones are measured against
+};
+
 struct InferenceOptions {
   int width = 640, height = 480, supersampling = 2;
   SurfaceFilter filter = SurfaceFilter::kTrilinear;  // with which the target will read textures
   float regularization = 0.3f;                       // e_f
   int iterations = 40;                               // of conjugate gradients, at most
-  float texels_per_pixel = 1.0f;                     // of the texture domain at the finest level
+  TextureLayout layout = TextureLayout::kFitted;
+  TextureFitOptions fit;  // texels_per_pixel: before the objects' own scales
   int max_texture_size = 1024;
   // Rendering matrices held at once. Where all views need more, layers that do not depend on the view are solved over every
   // n-th of them only, and Inference::warnings says so.

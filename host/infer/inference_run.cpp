@@ -4,14 +4,16 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <map>
 #include <set>
+#include <stdexcept>
 
 #include "host/infer/light_survey.h"
 
 namespace vitrine {
 namespace {
 
-constexpr int kInferenceVersion = 5;  // changes whenever the same input would give other textures
+constexpr int kInferenceVersion = 6;  // changes whenever the same input would give other textures
 constexpr size_t kBatch = 8;          // states read at once, if their frames stay below
 constexpr size_t kBatchFrameBytes = size_t{1} << 30;
 constexpr size_t kFramePixelBytes = 40;  // of a loaded frame: the picture, and layers of about one object a pixel
@@ -22,17 +24,41 @@ void append(KeyBuilder& key, const StoreKey& part) {
   key.integer(static_cast<int64_t>(part.low));
 }
 
+void append_map(KeyBuilder& key, const TextureMap& map) {
+  const auto values = map.values();
+  key.bytes(values.data(), sizeof values);
+}
+
+void append_field(KeyBuilder& key, const Inference& inference, const Field& field) {
+  const DrawnObject& object = inference.objects[static_cast<size_t>(field.drawn_object)];
+  key.text(field.layer);
+  for (const int value : {object.object, field.texture_width, field.texture_height}) key.integer(value);
+  key.bytes(object.vertices.data(), object.vertices.size() * sizeof(MeshVertex));
+}
+
 }  // namespace
 
 struct InferenceRun::StateObject {
+  Placement placement;
   ObjectMatrix matrix;
   FilteredMatrix filtered;
   Observation observation;
 };
 
 struct InferenceRun::StateData {
-  std::vector<Frame> frames;  // as table_.samples_of_state
-  std::vector<std::unique_ptr<StateObject>> objects;
+  std::vector<Frame> frames;                                       // as table_.samples_of_state
+  std::vector<std::vector<std::unique_ptr<StateObject>>> objects;  // per drawn object, one for every way it is laid out
+};
+
+struct InferenceRun::Device {
+  TestRenderer renderer;
+  std::map<std::vector<TextureSize>, std::unique_ptr<MatrixReader>> readers;  // by the sizes of all objects' textures
+
+  MatrixReader& reader_of(const std::vector<TextureSize>& sizes, const GeometryState& state) {
+    std::unique_ptr<MatrixReader>& reader = readers[sizes];
+    if (!reader) reader = make_matrix_reader(renderer, sizes, state);
+    return *reader;
+  }
 };
 
 InferenceRun::InferenceRun(const Scene& scene, const std::vector<StoreKey>& frames, const Store& store, hal::Gpu& gpu,
@@ -48,11 +74,30 @@ InferenceRun::InferenceRun(const Scene& scene, const std::vector<StoreKey>& fram
       stride_(stride),
       inference_(inference),
       data_(states_.size()) {
-  for (const DrawnObject& object : inference_.objects) pyramids_.emplace_back(object.texture_width, object.texture_height);
+  for (const Field& field : inference_.fields) pyramids_.emplace_back(field.texture_width, field.texture_height);
+  find_shown();
   make_groups_and_keys();
 }
 
 InferenceRun::~InferenceRun() = default;
+
+void InferenceRun::find_shown() {
+  shown_.resize(states_.size());
+  for (size_t s = 0; s < states_.size(); ++s) {
+    std::map<std::pair<int, uint16_t>, int64_t> counts;
+    for (const int64_t sample : table_.samples_of_state[s])
+      for (int f = 0; f < static_cast<int>(inference_.fields.size()); ++f) {
+        const Field& field = inference_.fields[static_cast<size_t>(f)];
+        ++counts[{f, map_number(field, field_sample_of(scene_.space(), field.axes, sample))}];
+      }
+    for (const auto& [which, count] : counts) shown_[s].push_back({which.first, which.second, count});
+  }
+}
+
+Placement InferenceRun::placement_of(int field, uint16_t map) const {
+  const Field& f = inference_.fields[static_cast<size_t>(field)];
+  return {f.size(), f.maps[map]};
+}
 
 // What every texture depends on: the device, the options, and the shapes of all objects, which hide each other.
 StoreKey InferenceRun::base_key() const {
@@ -78,12 +123,8 @@ StoreKey InferenceRun::base_key() const {
 StoreKey InferenceRun::texture_key(const SolveGroup& group, size_t texture, const StoreKey& base) const {
   KeyBuilder key;
   append(key, base);
-  const DrawnObject& object = object_of(group);
-  key.text(inference_.fields[static_cast<size_t>(group.field)].layer);
-  key.integer(object.object);
-  key.integer(object.texture_width);
-  key.integer(object.texture_height);
-  key.bytes(object.vertices.data(), object.vertices.size() * sizeof(MeshVertex));
+  append_field(key, inference_, field_of(group));
+  append_map(key, field_of(group).maps[group.map]);
   for (const SolveGroup::Use& use : group.uses) {
     key.integer(use.state);
     for (const int64_t sample : table_.samples_of_state[static_cast<size_t>(use.state)])
@@ -99,7 +140,7 @@ void InferenceRun::make_groups_and_keys() {
     Field& field = inference_.fields[f];
     field.textures.resize(static_cast<size_t>(field.space.sample_count()));
     for (SolveGroup& group :
-         make_groups(scene_.space(), field.axes, table_, static_cast<int>(f), TextureSolver::kMaxTextures, stride_)) {
+         make_groups(scene_.space(), field, static_cast<int>(f), table_, TextureSolver::kMaxTextures, stride_)) {
       std::vector<size_t> missing;
       for (size_t t = 0; t < group.textures.size(); ++t) {
         StoreKey& key = field.textures[static_cast<size_t>(group.textures[t])];
@@ -107,7 +148,7 @@ void InferenceRun::make_groups_and_keys() {
         if (!store_.has_planes(key)) missing.push_back(t);
       }
       if (missing.empty()) continue;
-      SolveGroup rest{group.field, {}, {}};
+      SolveGroup rest{group.field, group.map, {}, {}};
       for (const size_t t : missing) rest.textures.push_back(group.textures[t]);
       for (const SolveGroup::Use& use : group.uses) {
         rest.uses.push_back({use.state, {}});
@@ -116,13 +157,13 @@ void InferenceRun::make_groups_and_keys() {
       groups_.push_back(std::move(rest));
     }
   }
-  for (size_t i = 0; i < inference_.objects.size(); ++i) {
+  for (const Field& field : inference_.fields) {
     KeyBuilder key;
     key.text("importance");
     append(key, base);
-    const DrawnObject& object = inference_.objects[i];
-    for (const int value : {object.object, object.texture_width, object.texture_height}) key.integer(value);
-    key.bytes(object.vertices.data(), object.vertices.size() * sizeof(MeshVertex));
+    append_field(key, inference_, field);
+    for (const TextureMap& map : field.maps) append_map(key, map);
+    for (const uint16_t map : field.block_maps) key.integer(map);
     for (const StoreKey& frame : frames_) append(key, frame);
     importance_keys_.push_back(key.finish());
   }
@@ -133,8 +174,12 @@ Layer InferenceRun::layer_of(const SolveGroup& group) const {
                                                                                                   : Layer::kSpecular;
 }
 
-const DrawnObject& InferenceRun::object_of(const SolveGroup& group) const {
-  return inference_.objects[static_cast<size_t>(inference_.fields[static_cast<size_t>(group.field)].drawn_object)];
+InferenceRun::StateObject& InferenceRun::state_object(int state, int field, uint16_t map) const {
+  const Placement placement = placement_of(field, map);
+  const auto object = static_cast<size_t>(inference_.fields[static_cast<size_t>(field)].drawn_object);
+  for (const auto& candidate : data_[static_cast<size_t>(state)]->objects[object])
+    if (candidate->placement == placement) return *candidate;
+  throw std::logic_error("a texture is solved for that its state does not show");
 }
 
 std::vector<int> InferenceRun::needed_states() const {
@@ -163,16 +208,14 @@ void InferenceRun::solve_missing(Progress& progress) {
     stacks_.resize(groups_.size());
     for (size_t g = 0; g < groups_.size(); ++g)
       if (groups_[g].uses.size() > 1) {
-        const auto object = static_cast<size_t>(inference_.fields[static_cast<size_t>(groups_[g].field)].drawn_object);
-        stacks_[g] = std::make_unique<TextureSolver>(pyramids_[object], groups_[g].textures.size(),
+        stacks_[g] = std::make_unique<TextureSolver>(pyramids_[static_cast<size_t>(groups_[g].field)], groups_[g].textures.size(),
                                                      SolverOptions{options_.regularization, options_.iterations});
       }
     {
-      TestRenderer renderer(gpu_, options_, inference_.objects);
-      const auto reader = make_matrix_reader(renderer, inference_.objects, states_[static_cast<size_t>(states.front())]);
+      Device device{TestRenderer(gpu_, options_, inference_.objects), {}};
       const size_t batch = batch_size();
       for (size_t begin = 0; begin < states.size(); begin += batch)
-        process_batch(std::span(states).subspan(begin, std::min(batch, states.size() - begin)), *reader, progress);
+        process_batch(std::span(states).subspan(begin, std::min(batch, states.size() - begin)), device, progress);
     }
     solve_stacks(progress);
     finish_importance();
@@ -180,15 +223,56 @@ void InferenceRun::solve_missing(Progress& progress) {
   progress.end();
 }
 
-void InferenceRun::process_batch(std::span<const int> batch, MatrixReader& reader, Progress& progress) {
+void InferenceRun::process_batch(std::span<const int> batch, Device& device, Progress& progress) {
   progress.advance(0);
   load_frames(batch);
-  std::vector<const GeometryState*> geometry;
-  for (const int s : batch) geometry.push_back(&states_[static_cast<size_t>(s)]);
-  build_observations(batch, reader.read(geometry));
+  read_matrices(batch, device);
+  build_observations(batch);
   gather(batch);
   solve_single(batch, progress);
   release(batch);
+}
+
+// A rendering shows every object with one texture, so a state is rendered as often as its objects have ways to be laid out.
+void InferenceRun::read_matrices(std::span<const int> batch, Device& device) {
+  struct Rendering {
+    int state = 0;
+    GeometryState geometry;
+    std::vector<StateObject*> objects;  // null: drawn only for what it hides
+  };
+  std::map<std::vector<TextureSize>, std::vector<Rendering>> renderings;
+  for (const int s : batch) {
+    StateData& data = *data_[static_cast<size_t>(s)];
+    data.objects.resize(inference_.objects.size());
+    for (const Shown& shown : shown_[static_cast<size_t>(s)]) {
+      const Placement placement = placement_of(shown.field, shown.map);
+      auto& own = data.objects[static_cast<size_t>(inference_.fields[static_cast<size_t>(shown.field)].drawn_object)];
+      if (std::any_of(own.begin(), own.end(), [&](const auto& o) { return o->placement == placement; })) continue;
+      own.push_back(std::make_unique<StateObject>());
+      own.back()->placement = placement;
+    }
+    size_t rounds = 0;
+    for (const auto& own : data.objects) rounds = std::max(rounds, own.size());
+    for (size_t round = 0; round < rounds; ++round) {
+      Rendering rendering{s, states_[static_cast<size_t>(s)], {}};
+      std::vector<TextureSize> sizes;
+      for (const auto& own : data.objects) {
+        const Placement placement = own.empty() ? Placement{{1, 1}, {}} : own[std::min(round, own.size() - 1)]->placement;
+        sizes.push_back(placement.size);
+        rendering.geometry.maps.push_back(placement.map);
+        rendering.objects.push_back(round < own.size() ? own[round].get() : nullptr);
+      }
+      renderings[sizes].push_back(std::move(rendering));
+    }
+  }
+  for (auto& [sizes, same] : renderings) {
+    std::vector<const GeometryState*> geometry;
+    for (const Rendering& rendering : same) geometry.push_back(&rendering.geometry);
+    std::vector<StateMatrix> matrices = device.reader_of(sizes, same.front().geometry).read(geometry);
+    for (size_t r = 0; r < same.size(); ++r)
+      for (size_t i = 0; i < same[r].objects.size(); ++i)
+        if (same[r].objects[i]) same[r].objects[i]->matrix = std::move(matrices[r][i]);
+  }
 }
 
 void InferenceRun::load_frames(std::span<const int> batch) {
@@ -209,25 +293,31 @@ void InferenceRun::load_frames(std::span<const int> batch) {
   });
 }
 
-void InferenceRun::build_observations(std::span<const int> batch, std::vector<StateMatrix> matrices) {
-  const size_t objects = inference_.objects.size();
-  for (const int s : batch) data_[static_cast<size_t>(s)]->objects.resize(objects);
-  tbb::parallel_for(size_t{0}, batch.size() * objects, [&](size_t job) {
-    StateData& data = *data_[static_cast<size_t>(batch[job / objects])];
+void InferenceRun::build_observations(std::span<const int> batch) {
+  struct Job {
+    const StateData* data;
+    int object;
+    StateObject* entry;
+  };
+  std::vector<Job> jobs;
+  for (const int s : batch) {
+    const StateData& data = *data_[static_cast<size_t>(s)];
+    for (size_t i = 0; i < data.objects.size(); ++i)
+      for (const auto& entry : data.objects[i]) jobs.push_back({&data, inference_.objects[i].object, entry.get()});
+  }
+  tbb::parallel_for(size_t{0}, jobs.size(), [&](size_t j) {
     std::vector<const Frame*> frames;
-    for (const Frame& frame : data.frames) frames.push_back(&frame);
-    auto entry = std::make_unique<StateObject>();
-    entry->matrix = std::move(matrices[job / objects][job % objects]);
-    entry->filtered = FilteredMatrix(entry->matrix, options_.supersampling, options_.width, options_.height);
-    entry->observation = make_observation(entry->filtered, inference_.objects[job % objects].object, frames);
-    data.objects[job % objects] = std::move(entry);
+    for (const Frame& frame : jobs[j].data->frames) frames.push_back(&frame);
+    StateObject& entry = *jobs[j].entry;
+    entry.filtered = FilteredMatrix(entry.matrix, options_.supersampling, options_.width, options_.height);
+    entry.observation = make_observation(entry.filtered, jobs[j].object, frames);
   });
 }
 
 void InferenceRun::add_use(TextureSolver& solver, const SolveGroup& group, const SolveGroup::Use& use) {
   const StateData& data = *data_[static_cast<size_t>(use.state)];
-  const auto object = static_cast<size_t>(inference_.fields[static_cast<size_t>(group.field)].drawn_object);
-  const Observation& observation = data.objects[object]->observation;
+  const auto object = static_cast<size_t>(field_of(group).drawn_object);
+  const Observation& observation = state_object(use.state, group.field, group.map).observation;
   const auto& samples = table_.samples_of_state[static_cast<size_t>(use.state)];
   std::vector<std::vector<glm::vec3>> layers;
   for (const auto& own : use.samples) {
@@ -248,13 +338,14 @@ void InferenceRun::gather(std::span<const int> batch) {
     for (const SolveGroup::Use& use : groups_[g].uses)
       if (std::find(batch.begin(), batch.end(), use.state) != batch.end()) add_use(*stacks_[g], groups_[g], use);
   });
-  tbb::parallel_for(size_t{0}, importance_.size(), [&](size_t object) {
-    if (importance_[object].empty()) return;
-    for (const int s : batch) {
-      const auto state = static_cast<size_t>(s);
-      const float share = static_cast<float>(table_.samples_of_state[state].size()) / static_cast<float>(frames_.size());
-      add_importance(data_[state]->objects[object]->observation, share, importance_[object]);
-    }
+  tbb::parallel_for(size_t{0}, importance_.size(), [&](size_t field) {
+    if (importance_[field].empty()) return;
+    for (const int s : batch)
+      for (const Shown& shown : shown_[static_cast<size_t>(s)]) {
+        if (static_cast<size_t>(shown.field) != field) continue;
+        const float share = static_cast<float>(shown.samples) / static_cast<float>(frames_.size());
+        add_importance(state_object(s, shown.field, shown.map).observation, share, importance_[field]);
+      }
   });
 }
 
@@ -265,8 +356,8 @@ void InferenceRun::solve_single(std::span<const int> batch, Progress& progress) 
       jobs.push_back(&groups_[g]);
   tbb::parallel_for(size_t{0}, jobs.size(), [&](size_t j) {
     const SolveGroup& group = *jobs[j];
-    const auto object = static_cast<size_t>(inference_.fields[static_cast<size_t>(group.field)].drawn_object);
-    TextureSolver solver(pyramids_[object], group.textures.size(), {options_.regularization, options_.iterations});
+    TextureSolver solver(pyramids_[static_cast<size_t>(group.field)], group.textures.size(),
+                         {options_.regularization, options_.iterations});
     add_use(solver, group, group.uses.front());
     store_textures(group, solver.solve(), progress);
   });
@@ -288,22 +379,20 @@ void InferenceRun::release(std::span<const int> batch) {
     StateData& data = *data_[static_cast<size_t>(s)];
     data.frames.clear();
     data.frames.shrink_to_fit();
-    std::vector<bool> needed(data.objects.size());
+    std::set<const StateObject*> needed;
     for (size_t g = 0; g < groups_.size(); ++g)
       for (const SolveGroup::Use& use : groups_[g].uses)
-        if (stacks_[g] && use.state == s)
-          needed[static_cast<size_t>(inference_.fields[static_cast<size_t>(groups_[g].field)].drawn_object)] = true;
-    for (size_t object = 0; object < data.objects.size(); ++object)
-      if (!needed[object]) data.objects[object].reset();
+        if (stacks_[g] && use.state == s) needed.insert(&state_object(s, groups_[g].field, groups_[g].map));
+    for (auto& own : data.objects)
+      std::erase_if(own, [&](const auto& entry) { return needed.find(entry.get()) == needed.end(); });
   }
 }
 
 void InferenceRun::store_textures(const SolveGroup& group, const std::vector<std::vector<glm::vec3>>& textures,
                                   Progress& progress) const {
-  const DrawnObject& object = object_of(group);
-  const Field& field = inference_.fields[static_cast<size_t>(group.field)];
+  const Field& field = field_of(group);
   for (size_t t = 0; t < textures.size(); ++t) {
-    LayeredImage image{object.texture_width, object.texture_height, {{"B", {}}, {"G", {}}, {"R", {}}}};
+    LayeredImage image{field.texture_width, field.texture_height, {{"B", {}}, {"G", {}}, {"R", {}}}};
     for (const glm::vec3& texel : textures[t])
       for (int k = 0; k < 3; ++k) image.planes[static_cast<size_t>(2 - k)].values.push_back(std::min(texel[k], kLargestHalf));
     store_.save_planes(field.textures[static_cast<size_t>(group.textures[t])], image);
@@ -317,14 +406,12 @@ bool InferenceRun::importance_missing() const {
 
 // From the store where it is there; otherwise a vector of zeros to add to.
 void InferenceRun::load_importance() {
-  importance_.resize(inference_.objects.size());
-  for (size_t i = 0; i < inference_.objects.size(); ++i) {
-    const auto image = store_.load_planes(importance_keys_[i]);
-    const bool found = image && image->planes.size() == 1 && image->planes[0].values.size() == pyramids_[i].finest_size();
-    importance_[i].assign(found ? 0 : pyramids_[i].size(), 0.0f);
-    if (!found) continue;
-    for (Field& field : inference_.fields)
-      if (static_cast<size_t>(field.drawn_object) == i) field.importance = image->planes[0].values;
+  importance_.resize(inference_.fields.size());
+  for (size_t f = 0; f < inference_.fields.size(); ++f) {
+    const auto image = store_.load_planes(importance_keys_[f]);
+    const bool found = image && image->planes.size() == 1 && image->planes[0].values.size() == pyramids_[f].finest_size();
+    importance_[f].assign(found ? 0 : pyramids_[f].size(), 0.0f);
+    if (found) inference_.fields[f].importance = image->planes[0].values;
   }
 }
 
@@ -334,9 +421,8 @@ void InferenceRun::finish_importance() {
     pyramids_[i].decimate_transposed(importance_[i].data());
     importance_[i].resize(pyramids_[i].finest_size());
     for (float& value : importance_[i]) value = std::min(value, kLargestHalf);
-    store_.save_planes(
-        importance_keys_[i],
-        {inference_.objects[i].texture_width, inference_.objects[i].texture_height, {{"importance", importance_[i]}}});
+    const Field& field = inference_.fields[i];
+    store_.save_planes(importance_keys_[i], {field.texture_width, field.texture_height, {{"importance", importance_[i]}}});
   }
   load_importance();  // as rounded by the store, so that a resumed run goes on alike
 }

@@ -30,9 +30,17 @@ class InferenceRun {
   void solve_missing(Progress& progress);
 
  private:
-  struct StateObject;  // matrix, filter and weights of one object in one state
+  struct StateObject;  // matrix, filter and weights of one object in one state, drawn with one texture
   struct StateData;
+  struct Device;  // what reads matrices
+  // What a state's grid samples show: a field by one of its maps.
+  struct Shown {
+    int field = 0;
+    uint16_t map = 0;
+    int64_t samples = 0;
+  };
 
+  void find_shown();
   void make_groups_and_keys();
   StoreKey texture_key(const SolveGroup& group, size_t texture, const StoreKey& base) const;
   StoreKey base_key() const;
@@ -41,9 +49,10 @@ class InferenceRun {
 
   std::vector<int> needed_states() const;
   size_t batch_size() const;
-  void process_batch(std::span<const int> batch, MatrixReader& reader, Progress& progress);
+  void process_batch(std::span<const int> batch, Device& device, Progress& progress);
   void load_frames(std::span<const int> batch);
-  void build_observations(std::span<const int> batch, std::vector<StateMatrix> matrices);
+  void read_matrices(std::span<const int> batch, Device& device);
+  void build_observations(std::span<const int> batch);
   void gather(std::span<const int> batch);
   void solve_single(std::span<const int> batch, Progress& progress);
   void solve_stacks(Progress& progress);
@@ -53,7 +62,9 @@ class InferenceRun {
   void add_use(TextureSolver& solver, const SolveGroup& group, const SolveGroup::Use& use);
   void store_textures(const SolveGroup& group, const std::vector<std::vector<glm::vec3>>& textures, Progress& progress) const;
   Layer layer_of(const SolveGroup& group) const;
-  const DrawnObject& object_of(const SolveGroup& group) const;
+  const Field& field_of(const SolveGroup& group) const { return inference_.fields[static_cast<size_t>(group.field)]; }
+  Placement placement_of(int field, uint16_t map) const;
+  StateObject& state_object(int state, int field, uint16_t map) const;
 
   const Scene& scene_;
   const std::vector<StoreKey>& frames_;
@@ -65,12 +76,13 @@ class InferenceRun {
   size_t stride_;
   Inference& inference_;
 
-  std::vector<Pyramid> pyramids_;                       // per drawn object
+  std::vector<Pyramid> pyramids_;                       // per field
+  std::vector<std::vector<Shown>> shown_;               // per state
   std::vector<SolveGroup> groups_;                      // only with textures that are missing
   std::vector<std::unique_ptr<TextureSolver>> stacks_;  // per group that sees many states
   std::vector<std::unique_ptr<StateData>> data_;        // per state, while it is needed
-  std::vector<StoreKey> importance_keys_;               // per drawn object
-  std::vector<std::vector<float>> importance_;          // per drawn object, all levels; empty where the store has it
+  std::vector<StoreKey> importance_keys_;               // per field
+  std::vector<std::vector<float>> importance_;          // per field, all levels; empty where the store has it
 };
 
 }  // namespace vitrine

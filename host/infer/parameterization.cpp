@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <unordered_map>
 
@@ -106,7 +107,11 @@ bool is_proper_parameterization(const Geometry& geometry, const glm::mat4& world
 }
 
 std::vector<glm::vec2> texture_domain(const Geometry& geometry, const glm::mat4& world_from_object) {
-  if (is_proper_parameterization(geometry, world_from_object)) return corners_of(geometry);
+  if (is_proper_parameterization(geometry, world_from_object)) {
+    std::vector<glm::vec2> corners = corners_of(geometry);
+    for (glm::vec2& corner : corners) corner = glm::clamp(corner, 0.0f, 1.0f);
+    return corners;
+  }
   const std::vector<glm::vec3> positions = world_positions(geometry, world_from_object);
   const std::vector<int32_t> neighbors = edge_neighbors(positions, geometry.indices);
   if (const auto charts = make_charts(positions, geometry.indices, neighbors, kMaxCharts))

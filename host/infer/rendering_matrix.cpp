@@ -159,12 +159,12 @@ float largest_difference(const StateMatrix& a, const StateMatrix& b) {
   return largest;
 }
 
-std::unique_ptr<MatrixReader> make_matrix_reader(TestRenderer& renderer, std::span<const DrawnObject> objects,
+std::unique_ptr<MatrixReader> make_matrix_reader(TestRenderer& renderer, std::span<const TextureSize> sizes,
                                                  const GeometryState& state) {
-  if (renderer.format() == hal::TextureFormat::kRgba8) return std::make_unique<EightBitReader>(renderer, objects);
+  if (renderer.format() == hal::TextureFormat::kRgba8) return std::make_unique<EightBitReader>(renderer, sizes);
   const GeometryState* const states[] = {&state};
-  auto identifiers = std::make_unique<IdentifierReader>(renderer, objects);
-  auto coordinates = std::make_unique<CoordinateReader>(renderer, objects);
+  auto identifiers = std::make_unique<IdentifierReader>(renderer, sizes);
+  auto coordinates = std::make_unique<CoordinateReader>(renderer, sizes);
   const bool follows = largest_difference(identifiers->read(states)[0], coordinates->read(states)[0]) <= kSameWeight;
   if (follows) return coordinates;
   return identifiers;

@@ -51,8 +51,8 @@ class MatrixReader {
 float largest_difference(const StateMatrix& a, const StateMatrix& b);
 
 // The fastest reader that is right on this device: the 8-bit one where `renderer` draws 8-bit pictures, else by coordinates where
-// they give what identifiers give in `state`. Texture sizes of `objects` are final.
-std::unique_ptr<MatrixReader> make_matrix_reader(TestRenderer& renderer, std::span<const DrawnObject> objects,
+// they give what identifiers give in `state`. `sizes`: of the texture that each object is drawn with.
+std::unique_ptr<MatrixReader> make_matrix_reader(TestRenderer& renderer, std::span<const TextureSize> sizes,
                                                  const GeometryState& state);
 
 }  // namespace vitrine

@@ -1,7 +1,10 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 #include "host/infer/test_renderer.h"
 
+#include <iterator>
+
 #include "host/base/error.h"
+#include "host/infer/fields.h"
 
 namespace vitrine {
 namespace {
@@ -63,7 +66,8 @@ TestRenderer::TestRenderer(hal::Gpu& gpu, const InferenceOptions& options, std::
     : gpu_(&gpu) {
   if (format == hal::TextureFormat::kRgba32f && !gpu.info().float_targets)
     throw InputError("graphics device", "it cannot render to floats", "compile on one that can (OSMesa does)");
-  drawer_ = checked(SceneDrawer::create(gpu, {options.width, options.height, options.supersampling, format, options.filter}));
+  drawer_ = checked(SceneDrawer::create(
+      gpu, {options.width, options.height, options.supersampling, format, options.filter, static_cast<int>(std::size(kLayers))}));
   one_tap_ = checked(drawer_.create_program(kOneTap));
   coordinates_ = checked(drawer_.create_program(kCoordinates));
   for (const DrawnObject& object : objects) {
@@ -91,18 +95,26 @@ void TestRenderer::render_with(hal::Program program, int tap, const GeometryStat
     check(program.id ? drawer_.draw_with(program, glm::vec4(tap), meshes_[i], state.clip_from_object[i], mirrored, texture)
                      : drawer_.draw(meshes_[i], state.clip_from_object[i], mirrored, {&texture, 1}));
   }
-  check(drawer_.end());
-  read_picture(pixels);
+  read_back(pixels);
 }
 
 // Bytes are read as bytes and converted here: a device gives numbers of another kind than its target's slowly, if at all.
-void TestRenderer::read_picture(std::span<glm::vec4> pixels) {
+void TestRenderer::read_back(std::span<glm::vec4> pixels) {
+  check(drawer_.end());
   if (format() != hal::TextureFormat::kRgba8)
     return check(gpu_->read_pixels(drawer_.supersampled(), hal::TextureFormat::kRgba32f, std::as_writable_bytes(pixels)));
   bytes_.resize(4 * pixels.size());
   check(gpu_->read_pixels(drawer_.supersampled(), hal::TextureFormat::kRgba8, std::as_writable_bytes(std::span(bytes_))));
   for (size_t i = 0; i < pixels.size(); ++i)
     pixels[i] = glm::vec4(bytes_[4 * i], bytes_[4 * i + 1], bytes_[4 * i + 2], bytes_[4 * i + 3]) / 255.0f;
+}
+
+void TestRenderer::render_surfaces(const GeometryState& state, std::span<const std::vector<SurfaceTexture>> surfaces,
+                                   std::span<glm::vec4> pixels) {
+  check(drawer_.begin());
+  for (size_t i = 0; i < meshes_.size(); ++i)
+    if (meshes_[i].mesh.id) check(drawer_.draw(meshes_[i], state.clip_from_object[i], state.mirrored[i] != 0, surfaces[i]));
+  read_back(pixels);
 }
 
 void TestRenderer::render(const GeometryState& state, std::span<const hal::Texture> textures, std::span<glm::vec4> pixels) {

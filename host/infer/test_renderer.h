@@ -50,6 +50,9 @@ class TestRenderer {
   // textures[i] for object i; id 0: the object is not drawn. `pixels`: width() * height(), rows bottom first; 0 where
   // nothing is; multiples of 1/255 where format() is kRgba8.
   void render(const GeometryState& state, std::span<const hal::Texture> textures, std::span<glm::vec4> pixels);
+  // The same with the sum of several textures an object.
+  void render_surfaces(const GeometryState& state, std::span<const std::vector<SurfaceTexture>> surfaces,
+                       std::span<glm::vec4> pixels);
   // What tap number `tap` of the filter reads, alone.
   void render_tap(const GeometryState& state, std::span<const hal::Texture> textures, int tap, std::span<glm::vec4> pixels);
   // Where it reads: texture coordinates, and the third and fourth channel of what it reads there.
@@ -64,9 +67,9 @@ class TestRenderer {
   SceneDrawer& drawer() { return drawer_; }
 
  private:
+  void read_back(std::span<glm::vec4> pixels);
   void render_with(hal::Program program, int tap, const GeometryState& state, std::span<const hal::Texture> textures,
                    std::span<glm::vec4> pixels);
-  void read_picture(std::span<glm::vec4> pixels);
 
   hal::Gpu* gpu_;
   SceneDrawer drawer_;

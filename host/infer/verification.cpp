@@ -56,17 +56,31 @@ LinearTexture load_field_texture(const Store& store, const Field& field, int64_t
   return texture;
 }
 
-LinearTexture load_object_texture(const Store& store, const Scene& scene, const Inference& inference,
-                                  std::span<const Layer> layers, int drawn_object, int64_t grid_sample) {
-  const DrawnObject& object = inference.objects.at(static_cast<size_t>(drawn_object));
-  LinearTexture sum{object.texture_width, object.texture_height, {}};
-  sum.texels.resize(static_cast<size_t>(sum.width) * static_cast<size_t>(sum.height));
+std::vector<LaidTexture> load_object_textures(const Store& store, const Scene& scene, const Inference& inference,
+                                              std::span<const Layer> layers, int drawn_object, int64_t grid_sample) {
+  std::vector<LaidTexture> textures;
   for (const Field& field : inference.fields) {
     if (field.drawn_object != drawn_object || !is_one_of(layers, field)) continue;
-    const LinearTexture layer = load_field_texture(store, field, field_sample_of(scene.space(), field.axes, grid_sample));
-    for (size_t i = 0; i < sum.texels.size(); ++i) sum.texels[i] += layer.texels[i];
+    const int64_t own = field_sample_of(scene.space(), field.axes, grid_sample);
+    textures.push_back({load_field_texture(store, field, own), map_of(field, own)});
   }
-  return sum;
+  return textures;
+}
+
+std::vector<glm::vec4> draw_textures(TestRenderer& renderer, const GeometryState& state,
+                                     const std::vector<std::vector<LaidTexture>>& textures) {
+  std::vector<std::vector<SurfaceTexture>> surfaces;
+  for (const auto& own : textures) {
+    surfaces.emplace_back();
+    for (const LaidTexture& laid : own)
+      surfaces.back().push_back(
+          {upload_texture(renderer.gpu(), renderer.drawer(), laid.texture, hal::TextureFormat::kRgba32f), laid.map});
+  }
+  std::vector<glm::vec4> samples(static_cast<size_t>(renderer.width()) * static_cast<size_t>(renderer.height()));
+  renderer.render_surfaces(state, surfaces, samples);
+  for (const auto& own : surfaces)
+    for (const SurfaceTexture& surface : own) renderer.gpu().destroy(surface.texture);
+  return samples;
 }
 
 hal::Texture upload_texture(hal::Gpu& gpu, SceneDrawer& drawer, const LinearTexture& texture, hal::TextureFormat format) {
@@ -108,15 +122,11 @@ std::vector<glm::vec3> draw_inferred(const Store& store, const Scene& scene, con
                                      std::span<const Layer> layers, const InferenceOptions& options, hal::Gpu& gpu,
                                      int64_t grid_sample) {
   TestRenderer renderer(gpu, options, inference.objects);
-  std::vector<hal::Texture> textures;
+  std::vector<std::vector<LaidTexture>> textures;
   for (size_t i = 0; i < inference.objects.size(); ++i)
-    textures.push_back(upload_texture(gpu, renderer.drawer(),
-                                      load_object_texture(store, scene, inference, layers, static_cast<int>(i), grid_sample),
-                                      hal::TextureFormat::kRgba32f));
-  std::vector<glm::vec4> samples(static_cast<size_t>(renderer.width()) * static_cast<size_t>(renderer.height()));
+    textures.push_back(load_object_textures(store, scene, inference, layers, static_cast<int>(i), grid_sample));
   const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
-  renderer.render(geometry_state_at(scene, grid_sample, inference.objects, aspect), textures, samples);
-  for (const hal::Texture texture : textures) gpu.destroy(texture);
+  const auto samples = draw_textures(renderer, geometry_state_at(scene, grid_sample, inference.objects, aspect), textures);
   std::vector<glm::vec3> picture;
   for (const glm::vec4& pixel : resolve_linear(samples, options.width, options.height, options.supersampling))
     picture.emplace_back(pixel);

@@ -15,6 +15,7 @@
 #include "host/frames/store.h"
 #include "host/infer/fields.h"
 #include "host/infer/inference.h"
+#include "host/infer/test_renderer.h"
 #include "host/scene/scene.h"
 #include "target/draw/scene_drawer.h"
 
@@ -28,9 +29,18 @@ struct LinearTexture {
 // The texture of a field at sample `flat` of its space. Throws InputError where the store has it no more.
 LinearTexture load_field_texture(const Store& store, const Field& field, int64_t flat);
 
-// The sum of those of `layers` that a drawn object has, at a grid sample (flat number in the scene's space). All: kLayers.
-LinearTexture load_object_texture(const Store& store, const Scene& scene, const Inference& inference,
-                                  std::span<const Layer> layers, int drawn_object, int64_t grid_sample);
+// A texture and where it lies on its object's mesh.
+struct LaidTexture {
+  LinearTexture texture;
+  TextureMap map;
+};
+// Those of `layers` that a drawn object has, at a grid sample (flat number in the scene's space). All: kLayers.
+std::vector<LaidTexture> load_object_textures(const Store& store, const Scene& scene, const Inference& inference,
+                                              std::span<const Layer> layers, int drawn_object, int64_t grid_sample);
+
+// The supersampled picture of a state, rows bottom first; the textures of an object add. textures[i]: of object i.
+std::vector<glm::vec4> draw_textures(TestRenderer& renderer, const GeometryState& state,
+                                     const std::vector<std::vector<LaidTexture>>& textures);
 
 // A texture on the device with all MIP levels by decimation (target/mip.h), as the engine makes them. `format`: kRgba32f or
 // kRgba16f. Throws InputError where the device refuses.

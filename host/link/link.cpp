@@ -126,8 +126,6 @@ class Linker {
     out->node = static_cast<uint32_t>(new_number(object.node));
     out->follows_camera = object.follows_camera;
     add_mesh(drawn, *out);
-    out->texture_width = static_cast<uint32_t>(drawn.texture_width);
-    out->texture_height = static_cast<uint32_t>(drawn.texture_height);
     for (size_t field = 0; field < inference_.fields.size(); ++field)
       if (inference_.fields[field].drawn_object == number)
         out->fields.push_back(make_field(inference_.fields[field], (*input_.encoded)[field]));

@@ -67,10 +67,9 @@ std::unique_ptr<Scene> make_square() {
 }
 
 DrawnObject drawn_square(const Scene& scene) {
-  DrawnObject drawn = make_drawn_object(scene, 0, glm::mat4(1));
-  drawn.texture_width = drawn.texture_height = kTextureSize;
-  return drawn;
+  return make_drawn_object(scene, 0, glm::mat4(1));
 }
+constexpr Placement kWhole{{kTextureSize, kTextureSize}, {}};
 
 // The largest difference, in 8-bit codes, of a texture and the square's image at its texels but for `margin` at the border.
 double difference_from_image(const LinearTexture& texture, const Image& image, int margin) {
@@ -103,7 +102,7 @@ TEST(ForwardMapping, AConstantLayerMakesAConstantTexture) {
     layers.defined.push_back(x >= 6 && x < 58 && y >= 6 && y < 58 && !hidden);
     if (layers.defined.back()) layers.values[static_cast<size_t>(i)] = {0.25f, 0.5f, 0.75f};
   }
-  const LinearTexture texture = map_forward(drawn_square(*scene), clip_from_square(*scene), layers);
+  const LinearTexture texture = map_forward(drawn_square(*scene), kWhole, clip_from_square(*scene), layers);
   ASSERT_EQ(texture.texels.size(), static_cast<size_t>(kTextureSize * kTextureSize));
   for (const glm::vec3& texel : texture.texels)
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(texel[c], 0.25f * static_cast<float>(c + 1), 1e-5f);
@@ -112,19 +111,19 @@ TEST(ForwardMapping, AConstantLayerMakesAConstantTexture) {
 TEST(ForwardMapping, ATextureEqualsTheSquareInItsPicture) {
   const auto scene = make_square();
   const Frame frame = Tracer(*scene).render({}, {kPictureSize, kPictureSize, 64});
-  const LinearTexture texture = map_forward(drawn_square(*scene), clip_from_square(*scene), object_layers(frame, 0, 1));
+  const LinearTexture texture = map_forward(drawn_square(*scene), kWhole, clip_from_square(*scene), object_layers(frame, 0, 1));
   EXPECT_LT(difference_from_image(texture, scene->images[0], 3), 4);
 }
 
 TEST(TracedTextures, ATextureOfAnUnlitSquareEqualsItsImage) {
   const auto scene = make_square();
-  const LinearTexture texture = TextureTracer(*scene).trace(drawn_square(*scene), {kPictureSize, kPictureSize, 9});
+  const LinearTexture texture = TextureTracer(*scene).trace(drawn_square(*scene), kWhole, {kPictureSize, kPictureSize, 9});
   EXPECT_LT(difference_from_image(texture, scene->images[0], 2), 4);
 }
 
 TEST(TracedTextures, WhatStandsInFrontOfASurfaceAndWhichWayItFacesDoNotMatter) {
   const auto scene = make_square();
-  const LinearTexture free = TextureTracer(*scene).trace(drawn_square(*scene), {kPictureSize, kPictureSize, 9});
+  const LinearTexture free = TextureTracer(*scene).trace(drawn_square(*scene), kWhole, {kPictureSize, kPictureSize, 9});
   scene->nodes[1].translation.z = -4;  // the camera behind the square
   scene->nodes[1].rotation = glm::angleAxis(3.07f, glm::vec3(0, 1, 0));
   scene->nodes.emplace_back().translation = {0, 0, -1};
@@ -134,7 +133,7 @@ TEST(TracedTextures, WhatStandsInFrontOfASurfaceAndWhichWayItFacesDoNotMatter) {
   scene->materials.emplace_back().double_sided = true;
   cover.geometry.triangle_materials = {1, 1};
   scene->objects.push_back(cover);
-  const LinearTexture covered = TextureTracer(*scene).trace(drawn_square(*scene), {kPictureSize, kPictureSize, 9});
+  const LinearTexture covered = TextureTracer(*scene).trace(drawn_square(*scene), kWhole, {kPictureSize, kPictureSize, 9});
   for (size_t i = 0; i < free.texels.size(); ++i)
     for (int c = 0; c < 3; ++c) ASSERT_NEAR(free.texels[i][c], covered.texels[i][c], 0.02f) << i;
 }

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "host/base/field_blocks.h"
 #include "host/infer/geometry_states.h"
 #include "host/infer/parameterization.h"
 #include "tests/infer/test_scene.h"
@@ -52,18 +53,40 @@ TEST(Fields, AnAxisThatMovesTheCameraAndAnObjectCountsForLight) {
   EXPECT_EQ(field_axes(*scene, scene->objects[1], Layer::kDiffuse), kView | kLamp);
 }
 
+Field field_over(const Scene& scene, AxisMask axes) {
+  Field field;
+  field.axes = axes;
+  field.space = scene.space().restricted(axes);
+  field.block_size = block_size_of(field.space);
+  field.maps.resize(1);
+  return field;
+}
+
 TEST(Fields, GroupsHoldEveryTextureOnceAndShareTheirStates) {
   const auto scene = make_ball_on_board({.views = 4, .lamps = 6});
   const StateTable states = make_states(scene->space(), kView);
   ASSERT_EQ(states.samples_of_state.size(), 4u);
-  const auto diffuse = make_groups(scene->space(), kLamp, states, 0, 4, 1);
+  const auto diffuse = make_groups(scene->space(), field_over(*scene, kLamp), 0, states, 4, 1);
   ASSERT_EQ(diffuse.size(), 2u);
   EXPECT_EQ(diffuse[0].textures.size() + diffuse[1].textures.size(), 6u);
   EXPECT_EQ(diffuse[0].uses.size(), 4u);
-  EXPECT_EQ(make_groups(scene->space(), kLamp, states, 0, 4, 2)[0].uses.size(), 2u);
-  const auto specular = make_groups(scene->space(), kView | kLamp, states, 0, 4, 1);
+  EXPECT_EQ(make_groups(scene->space(), field_over(*scene, kLamp), 0, states, 4, 2)[0].uses.size(), 2u);
+  const auto specular = make_groups(scene->space(), field_over(*scene, kView | kLamp), 0, states, 4, 1);
   EXPECT_EQ(specular.size(), 8u);
   for (const SolveGroup& group : specular) EXPECT_EQ(group.uses.size(), 1u);
+}
+
+TEST(Fields, TexturesThatLieDifferentlyAreNotSolvedTogether) {
+  const auto scene = make_ball_on_board({.views = 4, .lamps = 6});
+  const StateTable states = make_states(scene->space(), kView);
+  Field field = field_over(*scene, kLamp);
+  field.block_size = {1, 2};
+  field.maps.resize(3);
+  field.block_maps = {2, 0, 1};
+  const auto groups = make_groups(scene->space(), field, 0, states, 4, 1);
+  ASSERT_EQ(groups.size(), 3u);
+  for (const SolveGroup& group : groups)
+    for (const int64_t texture : group.textures) EXPECT_EQ(group.map, field.block_maps[static_cast<size_t>(texture / 2)]);
 }
 
 TEST(GeometryStates, WhatMovesOutsideThePictureMakesNoStates) {

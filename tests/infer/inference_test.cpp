@@ -109,8 +109,8 @@ TEST_F(InferenceTest, LayersDependOnTheAxesThatTheyMust) {
 }
 
 TEST_F(InferenceTest, TextureSizesFollowTheScreen) {
-  for (const DrawnObject& object : inference.objects)
-    for (const int size : {object.texture_width, object.texture_height}) {
+  for (const Field& field : inference.fields)
+    for (const int size : {field.texture_width, field.texture_height}) {
       EXPECT_EQ(size % 8, 0);
       EXPECT_GE(size, 32);
       EXPECT_LE(size, 256);

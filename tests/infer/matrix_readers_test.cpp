@@ -35,32 +35,27 @@ void add_quadrangle(DrawnObject& object, glm::vec3 from, glm::vec3 along, glm::v
   for (const uint32_t corner : {0, 1, 2, 0, 2, 3}) object.indices.push_back(first + corner);
 }
 
-DrawnObject quadrangle(glm::vec3 from, glm::vec3 along, glm::vec3 across, glm::vec4 uv, int width, int height) {
+DrawnObject quadrangle(glm::vec3 from, glm::vec3 along, glm::vec3 across, glm::vec4 uv) {
   DrawnObject object;
   add_quadrangle(object, from, along, across, uv);
-  object.texture_width = width;
-  object.texture_height = height;
   return object;
 }
 
-GeometryState state_of(size_t objects, float eye_height = 0.6f) {
-  const GeometryState one = looking_down(kAspect, eye_height);
-  return {std::vector<glm::mat4>(objects, one.clip_from_object[0]), std::vector<uint8_t>(objects, 0)};
-}
-
 // A roof whose two sides are charts far apart in its texture, the second turned by a quarter.
-std::vector<DrawnObject> roof_of_two_charts() {
-  DrawnObject roof = quadrangle({-1, -0.8f, 0.5f}, {2, 0, 0}, {0, 0.7f, -0.8f}, {0.02f, 0.03f, 0.45f, 0.97f}, 53, 70);
+ShownObjects roof_of_two_charts() {
+  DrawnObject roof = quadrangle({-1, -0.8f, 0.5f}, {2, 0, 0}, {0, 0.7f, -0.8f}, {0.02f, 0.03f, 0.45f, 0.97f});
   add_quadrangle(roof, {-1, -0.1f, -0.3f}, {0, 0.9f, -0.1f}, {2, 0, 0}, {0.55f, 0.03f, 0.98f, 0.97f});
-  return {roof};
+  return {{roof}, {{53, 70}}, {}};
 }
 
 // Three planes through each other: each hides parts of the others.
-std::vector<DrawnObject> planes_through_each_other() {
+ShownObjects planes_through_each_other() {
   const glm::vec4 whole(0, 0, 1, 1);
-  return {quadrangle({-1, -1, -0.3f}, {2, 0, 0}, {0, 2, 0}, whole, 40, 40),
-          quadrangle({-1, -0.9f, 0.6f}, {2, 0.2f, -1.6f}, {0, 1.7f, 0}, whole, 33, 57),
-          quadrangle({-1.2f, -0.7f, 1}, {2.4f, 0.1f, 0}, {0, 0.9f, -2}, whole, 64, 48)};
+  return {{quadrangle({-1, -1, -0.3f}, {2, 0, 0}, {0, 2, 0}, whole),
+           quadrangle({-1, -0.9f, 0.6f}, {2, 0.2f, -1.6f}, {0, 1.7f, 0}, whole),
+           quadrangle({-1.2f, -0.7f, 1}, {2.4f, 0.1f, 0}, {0, 0.9f, -2}, whole)},
+          {{40, 40}, {33, 57}, {64, 48}},
+          {}};
 }
 
 // A device that knows bytes only.
@@ -113,13 +108,13 @@ class MatrixReadersTest : public ::testing::Test {
     gpu = make_gpu();
     ASSERT_NE(gpu, nullptr);
   }
-  void prepare(std::vector<DrawnObject> drawn, SurfaceFilter filter, std::vector<TextureWraps> textures_wrap = {},
-               float eye_height = 0.6f) {
-    objects = std::move(drawn);
+  void prepare(ShownObjects drawn, SurfaceFilter filter, std::vector<TextureWraps> textures_wrap = {}) {
+    state = looking_down(drawn, kAspect, 0.6f);
+    objects = std::move(drawn.objects);
+    sizes = std::move(drawn.sizes);
     wraps = std::move(textures_wrap);
     options = {.width = 80, .height = 60};
     options.filter = filter;
-    state = state_of(objects.size(), eye_height);
     floats = std::make_unique<TestRenderer>(*gpu, options, objects);
     bytes = std::make_unique<TestRenderer>(*gpu, options, objects, hal::TextureFormat::kRgba8);
   }
@@ -127,15 +122,15 @@ class MatrixReadersTest : public ::testing::Test {
     const GeometryState* const states[] = {&state};
     return reader.read(states)[0];
   }
-  StateMatrix by_eight_bits() { return read(EightBitReader(*bytes, objects, wraps)); }
-  StateMatrix by_boxes() { return read(BoundingBoxReader(*floats, objects, wraps)); }
-  StateMatrix by_identifiers() { return read(IdentifierReader(*floats, objects)); }
+  StateMatrix by_eight_bits() { return read(EightBitReader(*bytes, sizes, wraps)); }
+  StateMatrix by_boxes() { return read(BoundingBoxReader(*floats, sizes, wraps)); }
+  StateMatrix by_identifiers() { return read(IdentifierReader(*floats, sizes)); }
 
   template <typename Texel>
   std::vector<glm::vec4> render(TestRenderer& renderer, const std::vector<std::vector<Texel>>& texels) {
     std::vector<hal::Texture> textures;
     for (size_t i = 0; i < objects.size(); ++i) {
-      const Pyramid pyramid(objects[i].texture_width, objects[i].texture_height);
+      const Pyramid pyramid(sizes[i].width, sizes[i].height);
       const hal::TextureFormat format = sizeof(Texel) == 4 ? hal::TextureFormat::kRgba8 : hal::TextureFormat::kRgba32f;
       textures.push_back(create_pyramid_texture(*gpu, pyramid, format, wraps.empty() ? TextureWraps{} : wraps[i]));
       update_pyramid_texture(*gpu, textures.back(), pyramid, format, std::as_bytes(std::span(texels[i])));
@@ -158,8 +153,8 @@ class MatrixReadersTest : public ::testing::Test {
     float worst = 0;
     for (int repeat = 0; repeat < 3; ++repeat) {
       std::vector<std::vector<Texel>> texels;
-      for (const DrawnObject& object : objects) {
-        texels.emplace_back(Pyramid(object.texture_width, object.texture_height).size());
+      for (const TextureSize& size : sizes) {
+        texels.emplace_back(Pyramid(size.width, size.height).size());
         for (Texel& texel : texels.back())
           for (int k = 0; k < 4; ++k) texel[k] = static_cast<typename Texel::value_type>(random() % 256 * (largest / 255));
       }
@@ -180,6 +175,7 @@ class MatrixReadersTest : public ::testing::Test {
 
   std::unique_ptr<hal::Gpu> gpu;
   std::vector<DrawnObject> objects;
+  std::vector<TextureSize> sizes;
   std::vector<TextureWraps> wraps;
   InferenceOptions options;
   GeometryState state;
@@ -254,7 +250,7 @@ TEST_F(MatrixReadersTest, ObjectsThatHideEachOtherKeepTheirOwnSamples) {
     const StateMatrix identifiers = by_identifiers(), eight_bits = by_eight_bits();
     for (const ObjectMatrix& rows : identifiers) EXPECT_GT(rows.samples.size(), 300u);
     EXPECT_LE(largest_difference(identifiers, by_boxes()), kFloatRounding);
-    EXPECT_LE(largest_difference(identifiers, read(CoordinateReader(*floats, objects))), 2e-5f);
+    EXPECT_LE(largest_difference(identifiers, read(CoordinateReader(*floats, sizes))), 2e-5f);
     EXPECT_LE(largest_difference(identifiers, eight_bits), kTwoSteps);
     EXPECT_LE(eight_bit_difference(eight_bits), kTwoSteps);
   }
@@ -266,7 +262,8 @@ TEST_F(MatrixReadersTest, TexturesThatRepeatAreReadAcrossTheirSeams) {
   for (const TextureWraps& wrap : {TextureWraps{TextureWrap::kRepeat, TextureWrap::kRepeat}, TextureWraps{TextureWrap::kRepeat},
                                    TextureWraps{.v = TextureWrap::kRepeat}})
     for (const auto& [width, height] : {std::pair{64, 32}, std::pair{37, 50}, std::pair{4, 4}, std::pair{1, 3}}) {
-      prepare({quadrangle({-2, -1, 1}, {4, 0, 0}, {0, 0, -12}, three_times, width, height)}, SurfaceFilter::kTrilinear, {wrap});
+      prepare({{quadrangle({-2, -1, 1}, {4, 0, 0}, {0, 0, -12}, three_times)}, {{width, height}}, {}}, SurfaceFilter::kTrilinear,
+              {wrap});
       const StateMatrix eight_bits = by_eight_bits(), boxes = by_boxes();
       EXPECT_LE(eight_bit_difference(eight_bits), kTwoSteps) << width << " x " << height;
       EXPECT_LE(float_difference(boxes), kFloatRounding) << width << " x " << height;
@@ -280,8 +277,9 @@ TEST_F(MatrixReadersTest, PowersOfTwoTakeAsManyPatternsAsThePaperSays) {
   using hal::TextureWrap;
   const GeometryState* const states[] = {&state};
   const auto renderings = [&](const TextureWraps& wrap) {
-    prepare({quadrangle({-2, -1, 1}, {4, 0, 0}, {0, 0, -40}, {0, 0, 2, 8}, 512, 512)}, SurfaceFilter::kTrilinear, {wrap});
-    EightBitReader reader(*bytes, objects, wraps);
+    prepare({{quadrangle({-2, -1, 1}, {4, 0, 0}, {0, 0, -40}, {0, 0, 2, 8})}, {{512, 512}}, {}}, SurfaceFilter::kTrilinear,
+            {wrap});
+    EightBitReader reader(*bytes, sizes, wraps);
     reader.read(states);
     return reader.renderings();
   };
@@ -291,8 +289,8 @@ TEST_F(MatrixReadersTest, PowersOfTwoTakeAsManyPatternsAsThePaperSays) {
 }
 
 TEST_F(MatrixReadersTest, PatternsOfLevelsThatNobodySeesAreLeftOut) {
-  prepare({quadrangle({-2, -1, 1}, {4, 0, 0}, {0, 2, 0}, {0, 0, 1, 1}, 16, 16)}, SurfaceFilter::kTrilinear);
-  EightBitReader reader(*bytes, objects);
+  prepare({{quadrangle({-2, -1, 1}, {4, 0, 0}, {0, 2, 0}, {0, 0, 1, 1})}, {{16, 16}}, {}}, SurfaceFilter::kTrilinear);
+  EightBitReader reader(*bytes, sizes);
   const GeometryState* const states[] = {&state};
   const auto matrix = reader.read(states);
   EXPECT_EQ(reader.renderings(), 2 * 36 + 2);
@@ -301,8 +299,8 @@ TEST_F(MatrixReadersTest, PatternsOfLevelsThatNobodySeesAreLeftOut) {
 
 TEST_F(MatrixReadersTest, SeveralViewsAreReadAtOnceAsOneByOne) {
   prepare(board_and_card(40, 72, 24, 16), SurfaceFilter::kAnisotropic2);
-  const GeometryState other = state_of(objects.size(), 0.1f);
-  EightBitReader reader(*bytes, objects);
+  const GeometryState other = looking_down(board_and_card(40, 72, 24, 16), kAspect, 0.1f);
+  EightBitReader reader(*bytes, sizes);
   const GeometryState* const both[] = {&other, &state};
   const auto together = reader.read(both);
   EXPECT_EQ(largest_difference(together[1], by_eight_bits()), 0);
@@ -315,7 +313,7 @@ TEST_F(MatrixReadersTest, ADeviceWithoutFloatsIsReadWithoutThem) {
   BytesOnlyGpu device(*gpu);
   EXPECT_THROW(TestRenderer(device, options, objects), InputError);
   TestRenderer renderer(device, options, objects, hal::TextureFormat::kRgba8);
-  const auto reader = make_matrix_reader(renderer, objects, state);
+  const auto reader = make_matrix_reader(renderer, sizes, state);
   EXPECT_STREQ(reader->method(), "eight_bit");
   const GeometryState* const states[] = {&state};
   EXPECT_LE(largest_difference(by_identifiers(), reader->read(states)[0]), kTwoSteps);
@@ -323,8 +321,8 @@ TEST_F(MatrixReadersTest, ADeviceWithoutFloatsIsReadWithoutThem) {
 
 TEST_F(MatrixReadersTest, ATextureWithMoreTexelsThanNumbersIsRefused) {
   prepare(board_and_card(8, 8, 24, 16), SurfaceFilter::kTrilinear);
-  objects[0].texture_width = objects[0].texture_height = 4096;
-  EXPECT_THROW(EightBitReader(*bytes, objects), InputError);
+  sizes[0] = {4096, 4096};
+  EXPECT_THROW(EightBitReader(*bytes, sizes), InputError);
 }
 
 }  // namespace

@@ -22,15 +22,16 @@ class RenderingMatrixTest : public ::testing::Test {
     gpu = make_gpu();
     ASSERT_NE(gpu, nullptr);
   }
-  void read(std::vector<DrawnObject> drawn, const InferenceOptions& o, size_t texture_bytes = size_t{1} << 30) {
-    objects = std::move(drawn);
+  void read(ShownObjects drawn, const InferenceOptions& o, size_t texture_bytes = size_t{1} << 30) {
+    state = looking_down(drawn, static_cast<float>(o.width) / static_cast<float>(o.height), eye_height);
+    objects = std::move(drawn.objects);
+    sizes = std::move(drawn.sizes);
     options = o;
     renderer = std::make_unique<TestRenderer>(*gpu, options, objects);
-    state = looking_down(static_cast<float>(o.width) / static_cast<float>(o.height), eye_height);
     const GeometryState* const states[] = {&state};
-    matrix = IdentifierReader(*renderer, objects, texture_bytes).read(states)[0];
-    by_coordinates = CoordinateReader(*renderer, objects).read(states)[0];
-    for (const DrawnObject& object : objects) pyramids.emplace_back(object.texture_width, object.texture_height);
+    matrix = IdentifierReader(*renderer, sizes, texture_bytes).read(states)[0];
+    by_coordinates = CoordinateReader(*renderer, sizes).read(states)[0];
+    for (const TextureSize& size : sizes) pyramids.emplace_back(size.width, size.height);
   }
   std::vector<glm::vec4> render(const std::vector<std::vector<glm::vec4>>& texels) {
     std::vector<hal::Texture> textures;
@@ -53,6 +54,7 @@ class RenderingMatrixTest : public ::testing::Test {
   std::unique_ptr<hal::Gpu> gpu;
   float eye_height = 0.6f;
   std::vector<DrawnObject> objects;
+  std::vector<TextureSize> sizes;
   InferenceOptions options;
   std::unique_ptr<TestRenderer> renderer;
   GeometryState state;
@@ -121,7 +123,7 @@ TEST_F(RenderingMatrixTest, ADeviceThatFollowsTheFormulaIsReadWithOneRenderingAT
   for (const SurfaceFilter filter : {SurfaceFilter::kTrilinear, SurfaceFilter::kAnisotropic4}) {
     o.filter = filter;
     read(board_and_card(64, 64, 24, 16), o);
-    const auto reader = make_matrix_reader(*renderer, objects, state);
+    const auto reader = make_matrix_reader(*renderer, sizes, state);
     ASSERT_STREQ(reader->method(), "coordinates");
     const int64_t before = reader->renderings();
     const GeometryState* const states[] = {&state, &state, &state};

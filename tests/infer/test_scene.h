@@ -25,9 +25,15 @@ struct SceneShape {
 };
 std::unique_ptr<Scene> make_ball_on_board(const SceneShape& shape = {});
 
-// A board that runs away from the eye (many levels meet) and, before it, a small upright card; and a view of both.
-std::vector<DrawnObject> board_and_card(int board_width, int board_height, int card_width, int card_height);
-GeometryState looking_down(float aspect, float height);
+// Objects by themselves, with the textures that they are drawn with.
+struct ShownObjects {
+  std::vector<DrawnObject> objects;
+  std::vector<TextureSize> sizes;
+  std::vector<TextureMap> maps;
+};
+// A board that runs away from the eye (many levels meet) and, before it, a small upright card.
+ShownObjects board_and_card(int board_width, int board_height, int card_width, int card_height);
+GeometryState looking_down(const ShownObjects& shown, float aspect, float height);
 
 // Radiance of an object's surface at (u, v) of its whole texture domain.
 struct Truth {

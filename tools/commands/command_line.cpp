@@ -108,6 +108,17 @@ void add_bench_inference(CLI::App& bench, BenchInferenceCommand& options) {
   command->footer("Example: vitrine bench inference shop --size 320x240 --sheet methods.png");
 }
 
+void add_bench_coordinates(CLI::App& bench, BenchCoordinatesCommand& options) {
+  CLI::App* command = bench.add_subcommand("coordinates", "Texels that fitted texture coordinates save, object by object, in a block of views");
+  command->add_option("SCENE", options.scene, "Folder with scene.toml, or a .toml file")->required()->check(kNotEmpty);
+  command->add_option("--size", options.size, "WIDTHxHEIGHT instead of the scene's")->check(kNotEmpty);
+  command->add_option("--views", options.views, "Samples in the middle of the axis that moves the camera")->capture_default_str()->check(CLI::Range(1, 64));
+  command->add_option("--spp", options.samples_per_pixel, "Camera rays of every pixel")->capture_default_str()->check(CLI::Range(1, 1 << 16));
+  command->add_option("--work", options.work, "Folder for frames and textures (default: one that is removed afterwards)")->check(kNotEmpty);
+  add_common_options(*command, options.common);
+  command->footer("Example: vitrine bench coordinates shop --size 320x240");
+}
+
 std::string name_of_command(const CLI::App& app) {
   const std::vector<CLI::App*> commands = app.get_subcommands();
   return commands.empty() ? "vitrine" : "vitrine " + commands.front()->get_name();
@@ -127,6 +138,7 @@ struct Commands {
   BenchTraceCommand bench_trace;
   BenchNoiseCommand bench_noise;
   BenchInferenceCommand bench_inference;
+  BenchCoordinatesCommand bench_coordinates;
 };
 
 std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
@@ -137,6 +149,7 @@ std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
   if (app.got_subcommand("verify")) return [command = commands.verify] { command.run(); };
   if (app.get_subcommand("bench")->got_subcommand("noise")) return [command = commands.bench_noise] { command.run(); };
   if (app.get_subcommand("bench")->got_subcommand("inference")) return [command = commands.bench_inference] { command.run(); };
+  if (app.get_subcommand("bench")->got_subcommand("coordinates")) return [command = commands.bench_coordinates] { command.run(); };
   return [command = commands.bench_trace] { command.run(); };
 }
 
@@ -159,6 +172,7 @@ std::function<void()> parse_command_line(int argc, char** argv) {
   add_bench_trace(*bench, commands.bench_trace);
   add_bench_noise(*bench, commands.bench_noise);
   add_bench_inference(*bench, commands.bench_inference);
+  add_bench_coordinates(*bench, commands.bench_coordinates);
   // CLI11 would only say that a subcommand is missing.
   if (argc > 1 && argv[1][0] != '-' && !has_command(app, argv[1]))
     throw UsageError(std::string("there is no command \"") + argv[1] + "\": use new, render, compile, inspect, verify or bench: see vitrine --help");

@@ -76,6 +76,13 @@ struct BenchInferenceCommand {
   void run() const;
 };
 
+struct BenchCoordinatesCommand {
+  std::string scene, size, work;
+  int views = 8, samples_per_pixel = 128;
+  CommonOptions common;
+  void run() const;
+};
+
 // Progress as the options ask: silent, a terminal line, or plain lines, always on stderr.
 std::unique_ptr<Progress> make_progress(const CommonOptions& options);
 // Limits all stages to `jobs` threads for the life of the returned object.

@@ -1,0 +1,29 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+//
+// Textures of neighbouring samples drawn towards each other where the picture does not say otherwise. Within a block a texel is
+// the same point of the surface in every sample, so what one sample leaves undetermined (a texel that something hides, or that
+// it sees at a grazing angle) takes what its neighbours know, and what differs by noise alone differs less: both cost the coder
+// bits and show between samples.
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "formats/block.h"
+
+namespace vitrine {
+
+struct SmoothedTexture {
+  std::vector<glm::vec3> texels;  // in: as inferred; out: smoothed
+  // How much the picture says of each: its row of the normal equations summed (host/infer/solver.h), pixels. An upper bound of
+  // what it determines, so that smoothing gives way to the picture rather than too little.
+  std::vector<float> precision;
+};
+
+// Minimizes, texel by texel, over the samples s of a box of the grid
+//   sum_s precision_s |x_s - inferred_s|^2 + strength * sum over neighbours s, t of |x_s - x_t|^2.
+// `textures`: row-major over `box`, all of one size. Samples next to each other along a discrete axis are no neighbours.
+void smooth_over_axes(const ParameterSpace& space, const FieldShape::Box& box, float strength,
+                      std::vector<SmoothedTexture>& textures);
+
+}  // namespace vitrine

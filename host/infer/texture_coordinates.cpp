@@ -1,0 +1,298 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "host/infer/texture_coordinates.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <glm/matrix.hpp>
+#include <numbers>
+#include <vector>
+
+namespace vitrine {
+namespace {
+
+constexpr size_t kFewSamples = 20000, kSearchedSamples = 2500;  // enough to fit four numbers
+constexpr int kIterations = 60;                                 // of conjugate gradients
+constexpr int kStretchSteps = 100;
+constexpr int kTurns = 90;  // directions of rectangles in a quarter turn
+// A turned texture costs the coder more than the texels that a slight turn saves: lines of the surface no longer run along it.
+constexpr double kTurnPays = 0.97;
+
+const std::array<glm::dvec2, 4> kSteps = {{{1, 0}, {0, 1}, {1, 1}, {1, -1}}};  // from pixel to pixel
+
+double inner(const glm::dmat2& a, const glm::dmat2& b) { return glm::dot(a[0], b[0]) + glm::dot(a[1], b[1]); }
+
+std::vector<SurfaceSample> thinned(std::span<const SurfaceSample> samples, size_t count = kFewSamples) {
+  const size_t stride = samples.size() / count + 1;
+  std::vector<SurfaceSample> few;
+  for (size_t i = 0; i < samples.size(); i += stride) few.push_back(samples[i]);
+  return few;
+}
+
+// Texels per unit of u and of v such that a pixel's step along each is a texel in the mean of squares.
+glm::dmat2 first_map(std::span<const SurfaceSample> samples) {
+  glm::dvec2 sum(0);
+  for (const SurfaceSample& s : samples)
+    for (int d = 0; d < 2; ++d)
+      sum[d] += std::log(std::max(1e-12, glm::length(glm::dvec2(s.uv_per_pixel[0][d], s.uv_per_pixel[1][d]))));
+  const double count = static_cast<double>(samples.size());
+  return {std::exp(-sum.x / count), 0, 0, std::exp(-sum.y / count)};
+}
+
+// The symmetric factor of the polar decomposition: the same stretches without the turn.
+glm::dmat2 without_turn(const glm::dmat2& m) {
+  const glm::dmat2 square = glm::transpose(m) * m;  // its root, by the theorem of Cayley and Hamilton
+  const double root = std::sqrt(std::max(0.0, glm::determinant(square)));
+  const double trace = std::sqrt(square[0][0] + square[1][1] + 2 * root);
+  return (square + glm::dmat2(root)) / trace;
+}
+
+// The least singular value of m, and its left vector.
+struct LeastStretch {
+  double value;
+  glm::dvec2 direction;
+};
+LeastStretch least_singular(const glm::dmat2& m) {
+  const glm::dmat2 square = m * glm::transpose(m);
+  const double mean = (square[0][0] + square[1][1]) / 2, half = (square[0][0] - square[1][1]) / 2, off = square[1][0];
+  const double spread = std::hypot(half, off);
+  const double angle = 0.5 * std::atan2(off, half) + std::numbers::pi / 2;
+  return {std::sqrt(std::max(0.0, mean - spread)), {std::cos(angle), std::sin(angle)}};
+}
+
+double cross(const glm::vec2& a, const glm::vec2& b) {
+  return static_cast<double>(a.x) * static_cast<double>(b.y) - static_cast<double>(a.y) * static_cast<double>(b.x);
+}
+
+// Andrew's monotone chain.
+std::vector<glm::vec2> convex_hull(std::span<const glm::vec2> from) {
+  std::vector<glm::vec2> points(from.begin(), from.end());
+  const auto before = [](const glm::vec2& a, const glm::vec2& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); };
+  std::sort(points.begin(), points.end(), before);
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  if (points.size() < 3) return points;
+  std::vector<glm::vec2> hull;
+  for (int side = 0; side < 2; ++side) {
+    const size_t first = hull.size();
+    for (const glm::vec2& p : points) {
+      while (hull.size() >= first + 2 && cross(hull.back() - hull[hull.size() - 2], p - hull[hull.size() - 2]) <= 0)
+        hull.pop_back();
+      hull.push_back(p);
+    }
+    hull.pop_back();  // the other side begins there
+    std::reverse(points.begin(), points.end());
+  }
+  return hull;
+}
+
+struct Rectangle {
+  glm::vec2 low{1e30f}, high{-1e30f};
+  glm::vec2 size() const { return high - low; }
+};
+Rectangle rectangle_of(std::span<const glm::vec2> points, const glm::mat2& map) {
+  Rectangle bounds;
+  for (const glm::vec2& p : points) {
+    bounds.low = glm::min(bounds.low, map * p);
+    bounds.high = glm::max(bounds.high, map * p);
+  }
+  return bounds;
+}
+
+glm::mat2 turn_by(float angle) { return {std::cos(angle), std::sin(angle), -std::sin(angle), std::cos(angle)}; }
+
+// With as few more texels as keep the stretch below the bound.
+glm::mat2 within_bound(std::span<const SurfaceSample> samples, glm::mat2 linear, const TextureFitOptions& options, MapKind kind) {
+  for (int step = 0; step < kStretchSteps; ++step) {
+    Stretch stretch = greatest_stretch(samples, linear, options.stretch_share);
+    if (!(stretch.pixels > options.stretch_bound)) break;
+    if (kind == MapKind::kScales)  // along the nearer axis
+      stretch.direction = std::fabs(stretch.direction.x) > std::fabs(stretch.direction.y) ? glm::vec2(1, 0) : glm::vec2(0, 1);
+    const float factor = stretch.pixels / options.stretch_bound * 1.001f;
+    linear = (glm::mat2(1) + (factor - 1) * glm::outerProduct(stretch.direction, stretch.direction)) * linear;
+  }
+  return linear;
+}
+
+// A map scaled so that the stretch is just the bound, and the texels of its rectangle.
+struct Candidate {
+  glm::mat2 linear{1};
+  double texels = 1e300;
+};
+Candidate candidate_of(std::span<const SurfaceSample> samples, std::span<const glm::vec2> outline, const glm::mat2& shape,
+                       const TextureFitOptions& options) {
+  const float scale = greatest_stretch(samples, shape, options.stretch_share).pixels / options.stretch_bound;
+  const glm::mat2 linear = scale * shape;
+  std::vector<glm::vec2> mapped;
+  for (const glm::vec2& point : outline) mapped.push_back(linear * point);
+  const glm::vec2 size = rectangle_of(mapped, turn_by(smallest_rectangle(mapped))).size();
+  return {linear, static_cast<double>(size.x) * static_cast<double>(size.y)};
+}
+
+// exp of the traceless symmetric matrix (p, q; q, -p): stretches by exp(r) one way and by exp(-r) across it, r = |(p, q)|.
+glm::mat2 stretch_by(const glm::vec2& pq) {
+  const float r = glm::length(pq), c = std::cosh(r), s = r > 0 ? std::sinh(r) / r : 1;
+  return {c + s * pq.x, s * pq.y, s * pq.y, c - s * pq.x};
+}
+
+// An isometry's image of what is seen may fill its rectangle badly, as a rhombus does. So the chapter's map, and the one
+// that only scales, are where a search begins for that which keeps to the bound with the fewest texels: by steps of stretch
+// in eight directions, halved where none helps.
+glm::mat2 smallest_map(std::span<const SurfaceSample> all, std::span<const glm::vec2> outline, const TextureFitOptions& options) {
+  const std::vector<SurfaceSample> samples = thinned(all, kSearchedSamples);
+  Candidate best;
+  for (const MapKind kind : {MapKind::kScales, MapKind::kLinear}) {
+    const glm::mat2 start = within_bound(samples, most_isometric_map(samples, kind), options, kind);
+    const Candidate candidate = candidate_of(samples, outline, start, options);
+    if (candidate.texels < best.texels) best = candidate;
+  }
+  for (float step = 0.4f; step > 0.02f;) {
+    const Candidate before = best;
+    for (int direction = 0; direction < 8; ++direction) {
+      const float angle = std::numbers::pi_v<float> / 4 * static_cast<float>(direction);
+      const glm::mat2 shape = stretch_by(step * glm::vec2(std::cos(angle), std::sin(angle))) * before.linear;
+      const Candidate candidate = candidate_of(samples, outline, shape, options);
+      if (candidate.texels < best.texels) best = candidate;
+    }
+    if (best.texels > 0.999 * before.texels) step /= 2;
+  }
+  return best.linear;
+}
+
+}  // namespace
+
+float branch_cut(const VisibleSurface& surface, int dimension) {
+  constexpr int n = VisibleSurface::kCells;
+  int best_first = 0, best_length = 0;
+  for (int i = 0; i < n; ++i) {
+    int length = 0;
+    while (length < n && !surface.meets(dimension, (i + length) % n)) ++length;
+    if (length > best_length) best_first = i, best_length = length;
+  }
+  const int middle = best_first + best_length / 2;
+  const bool around_border = best_first + best_length >= n || best_first == 0;
+  return best_length < 2 || around_border ? 0 : static_cast<float>(middle) / n;
+}
+
+double isometry_error(std::span<const SurfaceSample> samples, const glm::dmat2& linear, glm::dmat2* gradient) {
+  double sum = 0;
+  if (gradient) *gradient = glm::dmat2(0);
+  for (const SurfaceSample& sample : samples)
+    for (const glm::dvec2& step : kSteps) {
+      const glm::dvec2 edge = glm::dmat2(sample.uv_per_pixel) * step, mapped = linear * edge;
+      const double s = glm::length(step), t = std::max(1e-12, glm::length(mapped)), shorter = std::min(s, t);
+      const double error = (s - t) / shorter;
+      sum += error * error;
+      // d error^2 / dt: of (s / t - 1)^2 below s, of (t / s - 1)^2 above.
+      const double slope = t < s ? -2 * (s / t - 1) * s / (t * t) : 2 * (t - s) / (s * s);
+      if (gradient) *gradient += slope / t * glm::outerProduct(mapped, edge);
+    }
+  return sum;
+}
+
+// Polak and Ribiere's directions, restarted where they no longer descend; steps by halving until the error falls.
+glm::mat2 most_isometric_map(std::span<const SurfaceSample> all, MapKind kind) {
+  const std::vector<SurfaceSample> samples = thinned(all);
+  const auto error_of = [&](const glm::dmat2& at, glm::dmat2* slopes) {
+    const double error = isometry_error(samples, at, slopes);
+    if (kind == MapKind::kScales) (*slopes)[0][1] = (*slopes)[1][0] = 0;
+    return error;
+  };
+  glm::dmat2 map = first_map(samples), gradient, direction(0);
+  double error = error_of(map, &gradient), square = inner(gradient, gradient), step = 0.1;
+  double last_square = 0;
+  glm::dmat2 last_gradient(0);
+  for (int i = 0; i < kIterations && square > 0; ++i) {
+    const double beta = last_square > 0 ? std::max(0.0, (square - inner(gradient, last_gradient)) / last_square) : 0;
+    direction = -gradient + beta * direction;
+    if (!(inner(direction, gradient) < 0)) direction = -gradient;
+    const double unit = std::sqrt(inner(map, map) / inner(direction, direction));
+    glm::dmat2 next_gradient;
+    glm::dmat2 next = map;
+    double next_error = error;
+    for (; step > 1e-6; step /= 2) {
+      next = map + step * unit * direction;
+      next_error = error_of(next, &next_gradient);
+      if (next_error < error) break;
+    }
+    if (!(next_error < error)) break;
+    const bool converged = error - next_error < 1e-7 * error;
+    map = next;
+    error = next_error;
+    last_gradient = gradient;
+    last_square = square;
+    gradient = next_gradient;
+    square = inner(gradient, gradient);
+    step *= 4;
+    if (converged) break;
+  }
+  return glm::mat2(without_turn(map));
+}
+
+Stretch greatest_stretch(std::span<const SurfaceSample> samples, const glm::mat2& linear, float share) {
+  struct Place {
+    double texels;  // along a pixel, in the direction where they are fewest
+    size_t sample;
+    bool operator<(const Place& other) const {
+      return texels < other.texels || (texels == other.texels && sample < other.sample);
+    }
+  };
+  std::vector<Place> places;
+  for (size_t i = 0; i < samples.size(); ++i)
+    places.push_back({least_singular(glm::dmat2(linear) * glm::dmat2(samples[i].uv_per_pixel)).value, i});
+  const auto beyond = static_cast<size_t>((1 - share) * static_cast<float>(places.size()));
+  const auto at = places.begin() + static_cast<ptrdiff_t>(std::min(beyond, places.size() - 1));
+  std::nth_element(places.begin(), at, places.end());
+  const LeastStretch least = least_singular(glm::dmat2(linear) * glm::dmat2(samples[at->sample].uv_per_pixel));
+  return {static_cast<float>(1 / std::max(least.value, 1e-6)), glm::vec2(least.direction)};
+}
+
+float smallest_rectangle(std::span<const glm::vec2> points) {
+  const auto area = [&](float angle) {
+    const glm::vec2 size = rectangle_of(points, turn_by(angle)).size();
+    return static_cast<double>(size.x) * static_cast<double>(size.y);
+  };
+  constexpr float kQuarter = std::numbers::pi_v<float> / 2;
+  float best = 0;
+  double least = kTurnPays * area(0);
+  for (int turn = 1; turn < kTurns; ++turn) {
+    const float angle = kQuarter * static_cast<float>(turn) / kTurns;
+    if (area(angle) < least) least = area(angle), best = angle;
+  }
+  const glm::vec2 size = rectangle_of(points, turn_by(best)).size();
+  return size.y > size.x ? best + kQuarter : best;
+}
+
+TextureFit fit_texture(const VisibleSurface& surface, const TextureFitOptions& options) {
+  TextureFit fit;
+  fit.cut = {branch_cut(surface, 0), branch_cut(surface, 1)};
+  std::vector<glm::vec2> outline = convex_hull(surface.outline(fit.cut));
+  const glm::mat2 stretched = options.texels_per_pixel * smallest_map(surface.samples(), outline, options);
+  for (glm::vec2& point : outline) point = stretched * point;
+  const glm::mat2 turn = turn_by(smallest_rectangle(outline));
+  const Rectangle bounds = rectangle_of(outline, turn);
+  fit.linear = turn * stretched;
+  fit.low = bounds.low;
+  fit.size = bounds.size();
+  return fit;
+}
+
+glm::vec2 whole_domain_size(const VisibleSurface& surface, const TextureFitOptions& options) {
+  const std::vector<SurfaceSample> samples = thinned(surface.samples());
+  const glm::mat2 map = within_bound(samples, most_isometric_map(samples, MapKind::kScales), options, MapKind::kScales);
+  return options.texels_per_pixel * glm::vec2(map[0][0], map[1][1]);
+}
+
+TextureMap map_of(const TextureFit& fit, int width, int height) {
+  TextureMap map{fit.cut, fit.linear, -fit.low};
+  const glm::vec2 texture(width, height);
+  for (int d = 0; d < 2; ++d) {
+    const float room = texture[d] - 2 * kTextureMargin, squeeze = std::min(1.0f, room / std::max(fit.size[d], 1e-6f));
+    const float margin = (texture[d] - squeeze * fit.size[d]) / 2;
+    map.offset[d] = (squeeze * map.offset[d] + margin) / texture[d];
+    for (int column = 0; column < 2; ++column) map.linear[column][d] *= squeeze / texture[d];
+  }
+  return map;
+}
+
+}  // namespace vitrine

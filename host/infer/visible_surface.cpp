@@ -1,0 +1,188 @@
+// Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "host/infer/visible_surface.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <glm/mat3x3.hpp>
+#include <glm/matrix.hpp>
+#include <optional>
+
+namespace vitrine {
+namespace {
+
+constexpr int kNumbersInRow = 1024;     // triangle numbers are two coordinates, each exact however it is interpolated
+constexpr int kSamplesOfObject = 2500;  // in a state, about
+
+int cell_of(float coordinate) {
+  return std::clamp(static_cast<int>(coordinate * VisibleSurface::kCells), 0, VisibleSurface::kCells - 1);
+}
+
+// The same mesh with its triangles' numbers for coordinates.
+DrawnObject numbered(const DrawnObject& object) {
+  DrawnObject result;
+  result.object = object.object;
+  result.culled_index_count = object.culled_index_count;
+  for (size_t i = 0; i < object.indices.size(); ++i) {
+    const MeshVertex& vertex = object.vertices[object.indices[i]];
+    const size_t triangle = i / 3;
+    result.vertices.push_back({vertex.x, vertex.y, vertex.z, static_cast<float>(triangle % kNumbersInRow),
+                               static_cast<float>(triangle / kNumbersInRow)});
+    result.indices.push_back(static_cast<uint32_t>(i));
+  }
+  return result;
+}
+
+// A texture of one texel that names its object.
+std::vector<hal::Texture> object_textures(TestRenderer& renderer, size_t count) {
+  const Pyramid pyramid(1, 1);
+  std::vector<hal::Texture> textures;
+  for (size_t i = 0; i < count; ++i) {
+    const glm::vec4 texel(0, 0, 0, static_cast<float>(i + 1));
+    textures.push_back(create_pyramid_texture(renderer.gpu(), renderer.drawer(), pyramid, hal::TextureFormat::kRgba32f,
+                                              std::as_bytes(std::span(&texel, 1))));
+  }
+  return textures;
+}
+
+// From places of the picture to texture coordinates of one triangle: both are projections of one another.
+struct TriangleProjection {
+  glm::mat3 weights_from_place;  // (x, y, 1) in clip space after division -> weights of the corners, up to a common factor
+  glm::mat3x2 uv;
+
+  TriangleProjection(const DrawnObject& object, size_t triangle, const glm::mat4& clip_from_object) {
+    glm::mat3 places;
+    for (int k = 0; k < 3; ++k) {
+      const MeshVertex& v = object.vertices[object.indices[3 * triangle + static_cast<size_t>(k)]];
+      const glm::vec4 clip = clip_from_object * glm::vec4(v.x, v.y, v.z, 1);
+      places[k] = {clip.x, clip.y, clip.w};
+      uv[k] = {v.u, v.v};
+    }
+    weights_from_place = glm::inverse(places);
+  }
+
+  // `pixel`: the size of one in clip space.
+  SurfaceSample at(const glm::vec2& place, const glm::vec2& pixel) const {
+    const glm::vec3 weights = weights_from_place * glm::vec3(place, 1);
+    const float sum = weights.x + weights.y + weights.z;
+    SurfaceSample sample;
+    sample.uv = uv * weights / sum;
+    for (int d = 0; d < 2; ++d) {
+      const glm::vec3 change = weights_from_place[d];
+      sample.uv_per_pixel[d] = pixel[d] / sum * (uv * change - sample.uv * (change.x + change.y + change.z));
+    }
+    return sample;
+  }
+};
+
+bool is_finite(const SurfaceSample& s) {
+  return std::isfinite(s.uv.x + s.uv.y + s.uv_per_pixel[0][0] + s.uv_per_pixel[0][1] + s.uv_per_pixel[1][0] +
+                       s.uv_per_pixel[1][1]);
+}
+
+// A rendering of triangle numbers and what it says of one object.
+struct NumberedPicture {
+  std::span<const glm::vec4> pixels;
+  int width, height, supersampling;
+
+  void survey(const DrawnObject& object, size_t number, const glm::mat4& clip_from_object, VisibleSurface& surface) const {
+    const std::vector<size_t> shown = places_of(number);
+    const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(shown.size()) / kSamplesOfObject))));
+    const glm::vec2 size(width, height), pixel = static_cast<float>(2 * supersampling) / size;
+    std::vector<VisibleSurface::CellRow> seen(VisibleSurface::kCells);
+    std::vector<bool> met(object.indices.size() / 3);
+    size_t current = met.size();
+    std::optional<TriangleProjection> projection;
+    for (const size_t place : shown) {
+      const size_t triangle =
+          static_cast<size_t>(pixels[place].x + 0.5f) + kNumbersInRow * static_cast<size_t>(pixels[place].y + 0.5f);
+      if (triangle >= met.size()) continue;
+      if (triangle != current) projection.emplace(object, current = triangle, clip_from_object);
+      const glm::ivec2 at(place % static_cast<size_t>(width), place / static_cast<size_t>(width));
+      const SurfaceSample sample = projection->at(2.0f * (glm::vec2(at) + 0.5f) / size - 1.0f, pixel);
+      if (!is_finite(sample)) continue;
+      seen[static_cast<size_t>(cell_of(sample.uv.y))].set(static_cast<size_t>(cell_of(sample.uv.x)));
+      if (at.x % stride == 0 && at.y % stride == 0) surface.add_sample(sample);
+      if (!met[triangle]) meet(object, triangle, surface);
+      met[triangle] = true;
+    }
+    for (int row = 0; row < VisibleSurface::kCells; ++row) surface.see(row, seen[static_cast<size_t>(row)]);
+  }
+
+ private:
+  std::vector<size_t> places_of(size_t number) const {
+    std::vector<size_t> places;
+    for (size_t i = 0; i < pixels.size(); ++i)
+      if (static_cast<size_t>(pixels[i].w + 0.5f) == number + 1) places.push_back(i);
+    return places;
+  }
+  static void meet(const DrawnObject& object, size_t triangle, VisibleSurface& surface) {
+    glm::vec2 low(1), high(0);
+    for (size_t i = 3 * triangle; i < 3 * triangle + 3; ++i) {
+      const MeshVertex& v = object.vertices[object.indices[i]];
+      low = glm::min(low, glm::vec2(v.u, v.v));
+      high = glm::max(high, glm::vec2(v.u, v.v));
+    }
+    surface.meet(low, high);
+  }
+};
+
+}  // namespace
+
+void VisibleSurface::see(int row, const CellRow& cells) {
+  if (cells.none()) return;
+  for (int i = 0; i < kCells; ++i) {
+    if (!cells[static_cast<size_t>(i)]) continue;
+    const int first = i;
+    while (i + 1 < kCells && cells[static_cast<size_t>(i + 1)]) ++i;
+    seen_.push_back({static_cast<int16_t>(row), static_cast<int16_t>(first), static_cast<int16_t>(i)});
+  }
+}
+
+void VisibleSurface::meet(const glm::vec2& low, const glm::vec2& high) {
+  for (int d = 0; d < 2; ++d)
+    for (int i = cell_of(low[d]); i <= cell_of(high[d]); ++i) met_[d].set(static_cast<size_t>(i));
+}
+
+void VisibleSurface::merge(const VisibleSurface& other) {
+  samples_.insert(samples_.end(), other.samples_.begin(), other.samples_.end());
+  seen_.insert(seen_.end(), other.seen_.begin(), other.seen_.end());
+  for (size_t d = 0; d < 2; ++d) met_[d] |= other.met_[d];
+}
+
+std::vector<glm::vec2> VisibleSurface::outline(const glm::vec2& cut) const {
+  const auto border = [](int i, float at) {  // of cell i, unwrapped
+    const float low = static_cast<float>(i) / kCells;
+    return low < at ? low + 1 : low;
+  };
+  std::vector<glm::vec2> corners;
+  for (const Run& run : seen_)
+    for (const int i : {run.first, run.last}) {
+      const glm::vec2 low(border(i, cut.x), border(run.row, cut.y));
+      for (const int corner : {0, 1, 2, 3}) corners.push_back(low + glm::vec2(corner & 1, corner >> 1) / float{kCells});
+    }
+  return corners;
+}
+
+std::vector<std::vector<VisibleSurface>> survey_surfaces(hal::Gpu& gpu, const InferenceOptions& options,
+                                                         std::span<const DrawnObject> objects,
+                                                         std::span<const GeometryState> states) {
+  std::vector<DrawnObject> meshes;
+  for (const DrawnObject& object : objects) meshes.push_back(numbered(object));
+  TestRenderer renderer(gpu, options, meshes);
+  const std::vector<hal::Texture> textures = object_textures(renderer, objects.size());
+  std::vector<glm::vec4> pixels(static_cast<size_t>(renderer.width()) * static_cast<size_t>(renderer.height()));
+  std::vector<std::vector<VisibleSurface>> surfaces;
+  for (const GeometryState& state : states) {
+    renderer.render_coordinates(state, textures, 0, pixels);
+    const NumberedPicture picture{pixels, renderer.width(), renderer.height(), options.supersampling};
+    auto& seen = surfaces.emplace_back(objects.size());
+    tbb::parallel_for(size_t{0}, objects.size(),
+                      [&](size_t i) { picture.survey(objects[i], i, state.clip_from_object[i], seen[i]); });
+  }
+  for (const hal::Texture texture : textures) gpu.destroy(texture);
+  return surfaces;
+}
+
+}  // namespace vitrine
