@@ -73,6 +73,7 @@ Status check_picture(const fb::Image& image) {
   if (image.paths_per_pixel() > limits::kPathsPerPixel) return malformed("the paths per pixel are impossible");
   if (!in_range(image.noise_db(), 0.0f, 1000.0f)) return malformed("the noise is impossible");
   if (!in_range(image.exposure(), 1e-6f, 1e6f)) return malformed("the exposure is impossible");
+  if (image.filter() > fb::SurfaceFilter::MAX) return malformed("the filter of surfaces is unknown");
   return {};
 }
 
@@ -196,11 +197,6 @@ class ObjectChecker {
       return {StatusCode::kUnsupported, "an object is of an unknown representation"};
     if (object.node() >= image_.nodes()->size()) return malformed("an object is on a node that does not exist");
     if (Status status = check_mesh(object); !status.ok()) return status;
-    if (object.texture_width() < 1 || object.texture_width() > kMaxTextureSize || object.texture_height() < 1 ||
-        object.texture_height() > kMaxTextureSize)
-      return malformed("an object's texture has an impossible size");
-    // A composed texture with its MIP levels (4/3 of the finest) on both sides of the upload, in half floats, RGBA.
-    memory_ += 2 * 8 * 4 / 3 * texels_of(object) + texels_of(object);
     return check_fields(object);
   }
 
@@ -231,11 +227,49 @@ class ObjectChecker {
     if (!valid_name(*field.layer())) return malformed("a field has no proper layer name");
     if (field.axes() >> image_.axes()->size() != 0) return malformed("a field depends on an axis that does not exist");
     if (field.coder() > fb::NodeCoder::MAX) return {StatusCode::kUnsupported, "a field is coded by an unknown coder"};
+    if (Status status = check_texture(field); !status.ok()) return status;
+    if (Status status = check_maps(*field.maps()); !status.ok()) return status;
     if (Status status = check_shape(field); !status.ok()) return status;
     if (!sections_.take(field.nodes(), fb::SectionKind::nodes) || !sections_.take(field.contexts(), fb::SectionKind::contexts))
       return malformed("a field's data are not in the sections that they must be in");
     if (Status status = check_contexts(field); !status.ok()) return status;
-    return check_nodes(field);
+    if (Status status = check_nodes(field); !status.ok()) return status;
+    return check_block_maps(field);
+  }
+
+  Status check_texture(const fb::Field& field) {
+    const uint64_t width = field.texture_width(), height = field.texture_height();
+    if (width < 1 || width > kMaxTextureSize || height < 1 || height > kMaxTextureSize)
+      return malformed("a field's texture has an impossible size");
+    // A composed texture with its MIP levels (4/3 of the finest) on both sides of the upload, in half floats, RGBA; and a byte.
+    memory_ += (2 * 8 * 4 / 3 + 1) * width * height;
+    return {};
+  }
+
+  Status check_maps(const flatbuffers::Vector<float>& values) {
+    const uint32_t maps = values.size() / kTextureMapValues;
+    if (maps < 1 || maps > limits::kMapsPerField || values.size() % kTextureMapValues != 0)
+      return malformed("a field has an impossible number of texture maps");
+    if (image_.interpolate() && maps != 1) return malformed("a field whose samples are blended has several texture maps");
+    // Before any loop over them, as for nodes.
+    maps_ += maps;
+    if (maps_ > limits::kTextureMaps) return malformed("there are too many texture maps");
+    for (uint32_t i = 0; i < values.size(); ++i) {
+      const bool cut = i % kTextureMapValues < 2;
+      if (!in_range(values[i], cut ? 0 : -limits::kTextureMapValue, cut ? 1 : limits::kTextureMapValue))
+        return malformed("a texture map is impossible");
+    }
+    return {};
+  }
+
+  // After the nodes, which bound the number of blocks.
+  Status check_block_maps(const fb::Field& field) {
+    if (!field.block_maps() || field.block_maps()->size() == 0) return {};
+    if (field.block_maps()->size() != static_cast<uint32_t>(shape_from_directory(image_, field).block_count()))
+      return malformed("a field has not one texture map per block");
+    for (const uint16_t map : *field.block_maps())
+      if (map >= field.maps()->size() / kTextureMapValues) return malformed("a block is laid on by a map that does not exist");
+    return {};
   }
 
   // Either none, for the coder's built-in states, or a set for every level.
@@ -293,11 +327,9 @@ class ObjectChecker {
     return memory_ > limits::kEngineBytes ? malformed("the image needs more memory than any may") : Status{};
   }
 
-  static uint64_t texels_of(const fb::Object& object) { return uint64_t{object.texture_width()} * object.texture_height(); }
-
   const fb::Image& image_;
   SectionCursor sections_;
-  uint64_t memory_ = 0, nodes_ = 0;
+  uint64_t memory_ = 0, nodes_ = 0, maps_ = 0;
 };
 
 }  // namespace

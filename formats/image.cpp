@@ -2,6 +2,7 @@
 #include "formats/image.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 
@@ -17,7 +18,11 @@ static_assert(static_cast<int>(fb::AxisKind::periodic) == static_cast<int>(AxisK
               static_cast<int>(fb::TrackPath::rotation) == static_cast<int>(TrackPath::kRotation) &&
               static_cast<int>(fb::TrackPath::scale) == static_cast<int>(TrackPath::kScale) &&
               static_cast<int>(fb::Interpolation::linear) == static_cast<int>(Interpolation::kLinear) &&
-              static_cast<int>(fb::Interpolation::cubic_spline) == static_cast<int>(Interpolation::kCubicSpline));
+              static_cast<int>(fb::Interpolation::cubic_spline) == static_cast<int>(Interpolation::kCubicSpline) &&
+              static_cast<int>(fb::SurfaceFilter::bilinear) == static_cast<int>(SurfaceFilter::kBilinear) &&
+              static_cast<int>(fb::SurfaceFilter::trilinear) == static_cast<int>(SurfaceFilter::kTrilinear) &&
+              static_cast<int>(fb::SurfaceFilter::anisotropic2) == static_cast<int>(SurfaceFilter::kAnisotropic2) &&
+              static_cast<int>(fb::SurfaceFilter::anisotropic4) == static_cast<int>(SurfaceFilter::kAnisotropic4));
 
 using Bytes = std::span<const std::byte>;
 
@@ -134,6 +139,16 @@ Camera ImageView::camera() const {
 }
 
 FieldShape ImageView::shape_of(const fb::Field& field) const { return shape_from_directory(*directory_, field); }
+
+SurfaceFilter ImageView::filter() const { return static_cast<SurfaceFilter>(directory_->filter()); }
+
+TextureMap ImageView::map_of(const fb::Field& field, int block) const {
+  const auto* of_blocks = field.block_maps();
+  const uint32_t map = of_blocks && of_blocks->size() > 0 ? of_blocks->Get(static_cast<uint32_t>(block)) : 0;
+  std::array<float, kTextureMapValues> values;
+  for (uint32_t i = 0; i < kTextureMapValues; ++i) values[i] = field.maps()->Get(kTextureMapValues * map + i);
+  return TextureMap::from(values);
+}
 
 void ImageView::read_rig(std::span<RigNode> nodes, std::span<RigTrack> tracks) const {
   for (uint32_t i = 0; i < nodes.size(); ++i) nodes[i] = node_from_directory(*directory_->nodes()->Get(i));

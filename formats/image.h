@@ -14,6 +14,8 @@
 #include "formats/parameter_space.h"
 #include "formats/rig.h"
 #include "formats/status.h"
+#include "formats/surface_filter.h"
+#include "formats/texture_map.h"
 #include "image_generated.h"
 
 namespace vitrine {
@@ -26,9 +28,11 @@ inline constexpr size_t kSectionAlignment = 64;
 // Limits of one image; a reader refuses more (formats/SPEC.md gives the reasons).
 inline constexpr uint32_t kMaxObjects = 4096, kMaxRigNodes = 65536, kMaxTextureSize = 8192, kMaxVertices = 1u << 24;
 namespace limits {
-inline constexpr uint32_t kIndices = 3u << 24, kRigTracks = 65536, kTrackKeys = 1u << 22, kFieldsPerObject = 16;
+inline constexpr uint32_t kIndices = 3u << 24, kRigTracks = 65536, kTrackKeys = 1u << 22, kFieldsPerObject = 8;
 inline constexpr uint32_t kAxisSamples = 4096, kCodedNodes = 1u << 24, kNameBytes = 255, kPictureSize = 8192;
 inline constexpr uint32_t kSupersampling = 4, kFrames = 1u << 20, kPathsPerPixel = 1u << 20;
+inline constexpr uint32_t kMapsPerField = 1u << 16, kTextureMaps = 1u << 20;
+inline constexpr float kTextureMapValue = 1e6f;
 inline constexpr uint64_t kGridSamples = 1u << 24, kDirectoryBytes = 1u << 28, kUnits = uint64_t{1} << 40;
 // What loading an image may ask for in all: caches, meshes, textures with their MIP levels, render targets.
 inline constexpr uint64_t kEngineBytes = uint64_t{1} << 32;
@@ -46,7 +50,9 @@ class ImageView {
   uint32_t version() const { return version_; }
   ParameterSpace space() const;
   Camera camera() const;
+  SurfaceFilter filter() const;
   FieldShape shape_of(const fb::Field& field) const;
+  TextureMap map_of(const fb::Field& field, int block) const;  // how the textures of the block lie on the mesh
 
   // Rig, into the caller's arrays (sizes: directory().nodes()->size(), tracks()->size()). Spans point into the file.
   void read_rig(std::span<RigNode> nodes, std::span<RigTrack> tracks) const;

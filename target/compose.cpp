@@ -60,8 +60,6 @@ void add_leaf(const LeafTerm& leaf, size_t texels, size_t first, size_t count, c
 
 void compose_finest(std::span<const LeafTerm> terms, size_t texels, const RadianceTable& radiance,
                     const std::array<float*, 3>& rgb) {
-  if (terms.empty())
-    for (float* plane : rgb) std::fill_n(plane, texels, 0.0f);
   for (size_t first = 0; first < texels; first += kChunk)
     for (size_t t = 0; t < terms.size(); ++t)
       add_leaf(terms[t], texels, first, std::min(kChunk, texels - first), radiance, t > 0, rgb);

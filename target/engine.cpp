@@ -52,7 +52,10 @@ Result<std::unique_ptr<Engine>> Engine::load(const ImageView& image, hal::Gpu& g
   if (arena.failed()) return Status{StatusCode::kOutOfMemory, "the engine's block is too small for the image"};
   for (const FieldState& field : state->fields)
     if (Status status = check_contexts(field); !status.ok()) return status;
-  if (Status status = state->create_objects(gpu); !status.ok()) return status;
+  state->gpu = &gpu;
+  if (Status status = state->create_drawer(); !status.ok()) return status;
+  if (Status status = state->create_objects(); !status.ok()) return status;
+  if (Status status = state->create_textures(); !status.ok()) return status;
   // In unlimited mode what is shown is decoded when it is shown, tops too.
   if (!options.unlimited)
     state->stats.damaged_nodes = state->scheduler.decode_tops(state->fields, state->cache, state->viewpoint).damaged;
@@ -64,8 +67,8 @@ Status Engine::frame(const Position& position, hal::Target output) {
   state_->decode();
   state_->count_missing();
   state_->stats.upload_bytes_last = 0;
-  for (ObjectState& object : state_->objects)
-    if (Status status = state_->compose_object(object); !status.ok()) return status;
+  for (size_t f = 0; f < state_->fields.size(); ++f)
+    if (Status status = state_->compose_field(f); !status.ok()) return status;
   state_->stats.upload_bytes_max = std::max(state_->stats.upload_bytes_max, state_->stats.upload_bytes_last);
   ++state_->stats.frames;
   return state_->draw(output, position);
@@ -76,24 +79,17 @@ const EngineStats& Engine::stats() const { return state_->stats; }
 void Engine::State::lay_out(Arena& arena) {
   const fb::Image& directory = image.directory();
   motion = motion_of(image);
-  size_t most_terms = 0, scratch = 0, texels = 0, vertices = 0, indices = 0;
-  for (uint32_t o = 0; o < directory.objects()->size(); ++o) {
-    const fb::Object& object = *directory.objects()->Get(o);
-    ObjectState state{
-        .object = &object, .first_field = static_cast<uint32_t>(fields.size()), .field_count = object.fields()->size()};
-    size_t terms = 0;
-    for (const fb::Field* field : *object.fields()) {
-      fields.push_back(describe_field(image, object, *field, o, motion));
-      terms += static_cast<size_t>(fields.back().corner_count);
-    }
-    state.composed.resize(terms);
-    objects.push_back(std::move(state));
-    const int w = static_cast<int>(object.texture_width()), h = static_cast<int>(object.texture_height());
-    most_terms = std::max(most_terms, terms);
-    scratch = std::max(scratch, compose_scratch_floats(w, h));
-    texels = std::max(texels, 4 * texels_with_mips(w, h));
-    vertices = std::max<size_t>(vertices, object.vertex_count());
-    indices = std::max<size_t>(indices, object.index_count());
+  size_t scratch = 0, texels = 0, vertices = 0, indices = 0;
+  for (const fb::Object* object : *directory.objects()) {
+    objects.push_back(
+        {.object = object, .first_field = static_cast<uint32_t>(fields.size()), .field_count = object->fields()->size()});
+    for (const fb::Field* field : *object->fields()) fields.push_back(describe_field(image, *field, motion));
+    vertices = std::max<size_t>(vertices, object->vertex_count());
+    indices = std::max<size_t>(indices, object->index_count());
+  }
+  for (const FieldState& field : fields) {
+    scratch = std::max(scratch, compose_scratch_floats(field.width, field.height));
+    texels = std::max(texels, 4 * texels_with_mips(field.width, field.height));
   }
   buffers.nodes = arena.take<RigNode>(directory.nodes()->size());
   buffers.tracks = arena.take<RigTrack>(directory.tracks()->size());
@@ -108,8 +104,6 @@ void Engine::State::lay_out(Arena& arena) {
   cache.lay_out(fields, directory.plan()->cache_bytes(), arena);
   coordinates.resize(fields.size());
   shown.resize(fields.size());
-  leaves.resize(most_terms);
-  wanted.resize(most_terms);
   viewpoint = {&motion, coordinates, shown};
   stats.cache_bytes = cache.bytes();
 }

@@ -18,21 +18,10 @@
 
 namespace vitrine {
 
-// What one term of an object's texture was made of when it was composed last.
-struct ComposedTerm {
-  int64_t sample = -1;
-  int32_t levels = 0;
-  float weight = 0;
-  bool operator==(const ComposedTerm&) const = default;
-};
-
 struct ObjectState {
   const fb::Object* object = nullptr;
   uint32_t first_field = 0, field_count = 0;
-  std::vector<ComposedTerm> composed;  // room for every corner of every field
-  int composed_count = -1;             // of them in use; -1: never composed
   DrawMesh mesh;
-  hal::Texture texture;
 };
 
 // Buffers in the block.
@@ -54,17 +43,20 @@ struct Engine::State {
 
   // Describes fields and objects and takes all memory; the same whether the arena counts or gives.
   void lay_out(Arena& arena);
-  Status create_objects(hal::Gpu& device);
+  Status create_drawer();
+  Status create_objects();
   Status create_object(ObjectState& object);
+  Status create_textures();
 
   void look_from(const Position& position);
   void decode();
   void count_missing();
-  Status compose_object(ObjectState& object);
-  int describe_terms(const ObjectState& object, std::span<ComposedTerm> wanted) const;
-  void find_leaves(const ObjectState& object, std::span<const ComposedTerm> terms);
-  Status upload(const ObjectState& object);
+  Status compose_field(size_t number);
+  LeafTerm leaf_of(const FieldState& field, const GridIndex& sample, const ComposedCorner& corner) const;
+  Status upload(const FieldState& field);
   Status draw(hal::Target output, const Position& position);
+  Status draw_object(const ObjectState& object, const glm::mat4& clip_from_world, const glm::vec3& camera);
+  SurfaceTexture surface_of(size_t field) const;
 
   ImageView image;
   EngineOptions options;
@@ -78,8 +70,6 @@ struct Engine::State {
   EngineBuffers buffers;
   std::vector<std::array<float, kMaxAxes>> coordinates;  // per field, in its own space
   std::vector<ShownField> shown;                         // per field
-  std::vector<LeafTerm> leaves;                          // room for the object with most terms
-  std::vector<ComposedTerm> wanted;
   Viewpoint viewpoint;
   std::array<float, kMaxAxes> last_x{};
   bool settling = false;

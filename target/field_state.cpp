@@ -86,14 +86,22 @@ int FieldState::levels_ready(const GridIndex& sample, std::span<const uint8_t> s
   return shape.pyramid.level_count;
 }
 
-FieldState describe_field(const ImageView& image, const fb::Object& object, const fb::Field& field, uint32_t object_index,
-                          const Motion& motion) {
+Composition FieldState::composition_of(const ShownField& shown, std::span<const uint8_t> slot_ready) const {
+  Composition composition;
+  composition.count = shown.count;
+  for (size_t i = 0; i < static_cast<size_t>(shown.count); ++i) {
+    const Corner& corner = shown.samples[i];
+    composition.corners[i] = {shape.space.flat_from_index(corner.index), levels_ready(corner.index, slot_ready), corner.weight};
+  }
+  return composition;
+}
+
+FieldState describe_field(const ImageView& image, const fb::Field& field, const Motion& motion) {
   FieldState state;
   state.field = &field;
-  state.object = object_index;
   state.shape = image.shape_of(field);
-  state.width = static_cast<int>(object.texture_width());
-  state.height = static_cast<int>(object.texture_height());
+  state.width = static_cast<int>(field.texture_width());
+  state.height = static_cast<int>(field.texture_height());
   state.corner_count = corners_of(state.shape.space, motion.interpolate);
   state.coded = image.section(field.nodes());
   state.contexts = image.section(field.contexts());

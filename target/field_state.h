@@ -1,6 +1,7 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 //
-// One field as the engine plays it: its grid of nodes, where each is coded, and where each stands decoded.
+// One field as the engine plays it: its grid of nodes, where each is coded, where each stands decoded, and the texture that is
+// made of them.
 #pragma once
 
 #include <array>
@@ -8,6 +9,7 @@
 #include <span>
 
 #include "formats/image.h"
+#include "hal/gpu.h"
 #include "target/arena.h"
 #include "target/decode/node_decoder.h"
 #include "target/reach.h"
@@ -25,9 +27,21 @@ struct ShownField {
   int count = 0;
 };
 
+// What a field's texture is made of: the samples that it blends, and how many levels of each.
+struct ComposedCorner {
+  int64_t sample = -1;
+  int32_t levels = 0;
+  float weight = 0;
+  bool operator==(const ComposedCorner&) const = default;
+};
+struct Composition {
+  std::array<ComposedCorner, kMaxCorners> corners{};
+  int count = 0;  // 0: never composed
+  bool operator==(const Composition&) const = default;
+};
+
 struct FieldState {
   const fb::Field* field = nullptr;
-  uint32_t object = 0;
   FieldShape shape;
   int width = 0, height = 0;
   int corner_count = 1;  // samples shown at once, at most
@@ -35,6 +49,8 @@ struct FieldState {
   std::span<const std::byte> coded, contexts;
   std::span<uint64_t> offset;  // of each node in `coded`
   std::span<int32_t> slot;     // of each node: a slot of its pool, or one of the constants above
+  hal::Texture texture;
+  Composition composed;  // what it holds
   // Derived from the shape.
   int nodes_per_block = 0;
   std::array<int, kMaxLevels> first_in_block{};
@@ -50,11 +66,12 @@ struct FieldState {
   int64_t missing(const ShownField& shown, std::span<const uint8_t> slot_ready) const;
   // Levels from the top for which the sample's node is decoded (or all zero): what can be shown of it.
   int levels_ready(const GridIndex& sample, std::span<const uint8_t> slot_ready) const;
+  // What can be composed of what is shown.
+  Composition composition_of(const ShownField& shown, std::span<const uint8_t> slot_ready) const;
 };
 
 // Reads what the directory says; takes no memory.
-FieldState describe_field(const ImageView& image, const fb::Object& object, const fb::Field& field, uint32_t object_index,
-                          const Motion& motion);
+FieldState describe_field(const ImageView& image, const fb::Field& field, const Motion& motion);
 // Takes the node tables and fills them.
 void take_node_tables(FieldState& field, Arena& arena);
 

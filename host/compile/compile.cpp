@@ -71,11 +71,11 @@ int64_t render_missing(const Scene& scene, const std::vector<StoreKey>& keys, co
   return static_cast<int64_t>(missing.size());
 }
 
-Inference infer(const Scene& scene, const std::vector<StoreKey>& keys, const Store& store, int supersampling,
+Inference infer(const Scene& scene, const std::vector<StoreKey>& keys, const Store& store, const InferenceOptions& options,
                 Progress& progress) {
   auto gpu = hal::create_osmesa_gpu(scene.settings.width, scene.settings.height);
   if (!gpu.ok()) throw InputError("OSMesa", gpu.status().detail(), "install the packages of tools/packages.txt");
-  return infer_textures(scene, keys, store, *gpu.value(), inference_options(scene, supersampling), progress);
+  return infer_textures(scene, keys, store, *gpu.value(), options, progress);
 }
 
 // A linear texture as the coder wants it: companded codes in Y, Co, Cg.
@@ -140,8 +140,7 @@ BuiltImage build_image(const Scene& scene, const Inference& inference, const Sto
 
   std::vector<PlannedField> planned;
   for (size_t f = 0; f < encoded.size(); ++f)
-    planned.push_back(
-        {inference.fields[f].axes, &encoded[f], sources[f].width, sources[f].height, inference.fields[f].drawn_object});
+    planned.push_back({inference.fields[f].axes, &encoded[f], sources[f].width, sources[f].height});
   std::vector<float> speeds;
   for (const Axis& axis : scene.axes) speeds.push_back(axis.max_speed);
 
@@ -150,6 +149,7 @@ BuiltImage build_image(const Scene& scene, const Inference& inference, const Sto
   input.width = scene.settings.width;
   input.height = scene.settings.height;
   input.supersampling = profile.supersampling;
+  input.filter = profile.filter;
   input.frames_key = frames_key(frame_keys(scene));
   input.inference = &inference;
   input.encoded = &encoded;
@@ -219,19 +219,21 @@ uint64_t frames_key(const std::vector<StoreKey>& keys) {
   return all.finish().low;
 }
 
-InferenceOptions inference_options(const Scene& scene, int supersampling) {
+InferenceOptions inference_options(const Scene& scene, int supersampling, SurfaceFilter filter) {
   InferenceOptions options;
   options.width = scene.settings.width;
   options.height = scene.settings.height;
   options.supersampling = supersampling;
+  options.filter = filter;
   return options;
 }
 
-std::optional<Inference> find_inference(const Scene& scene, const Store& store, int supersampling, Progress& progress) {
+std::optional<Inference> find_inference(const Scene& scene, const Store& store, int supersampling, SurfaceFilter filter,
+                                        Progress& progress) {
   const std::vector<StoreKey> keys = frame_keys(scene);
   for (const StoreKey& key : keys)
     if (!store.has_frame(key)) return std::nullopt;
-  return infer(scene, keys, store, supersampling, progress);
+  return infer(scene, keys, store, inference_options(scene, supersampling, filter), progress);
 }
 
 CompileReport compile_scene(const Scene& scene, const CompileOptions& options, Progress& progress) {
@@ -254,7 +256,8 @@ CompileReport compile_scene(const Scene& scene, const CompileOptions& options, P
   report.raw_bytes = static_cast<uint64_t>(3) * scene.settings.width * scene.settings.height * keys.size();
   report.frames_rendered = render_missing(scene, keys, store, progress);
 
-  const Inference inference = infer(scene, keys, store, profile.supersampling, progress);
+  const Inference inference =
+      infer(scene, keys, store, inference_options(scene, profile.supersampling, profile.filter), progress);
   BuiltImage built = build_to_size(scene, inference, store, profile, bytes, progress);
   write_image(options.image, built.bytes);
   report.warnings = inference.warnings;

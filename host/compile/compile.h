@@ -41,10 +41,11 @@ TraceOptions trace_options(const Scene& scene);
 std::vector<StoreKey> frame_keys(const Scene& scene);
 // One number for all frames; images carry it.
 uint64_t frames_key(const std::vector<StoreKey>& keys);
-InferenceOptions inference_options(const Scene& scene, int supersampling);
+InferenceOptions inference_options(const Scene& scene, int supersampling, SurfaceFilter filter = SurfaceFilter::kTrilinear);
 
 // The inferred textures of a scene that was compiled with this store, or nothing where the store lacks its frames.
-std::optional<Inference> find_inference(const Scene& scene, const Store& store, int supersampling, Progress& progress);
+std::optional<Inference> find_inference(const Scene& scene, const Store& store, int supersampling, SurfaceFilter filter,
+                                        Progress& progress);
 
 // Bytes of the whole image that a storage setting asks for. Throws InputError (named `source`) for one that says nothing.
 // "N:1": raw bytes / N. "X KB/block": X times the number of 8-sample blocks of the grid. "X KB", "X MB": itself.

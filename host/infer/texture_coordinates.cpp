@@ -287,10 +287,9 @@ TextureMap map_of(const TextureFit& fit, int width, int height) {
   TextureMap map{fit.cut, fit.linear, -fit.low};
   const glm::vec2 texture(width, height);
   for (int d = 0; d < 2; ++d) {
-    const float room = texture[d] - 2 * kTextureMargin, squeeze = std::min(1.0f, room / std::max(fit.size[d], 1e-6f));
-    const float margin = (texture[d] - squeeze * fit.size[d]) / 2;
-    map.offset[d] = (squeeze * map.offset[d] + margin) / texture[d];
-    for (int column = 0; column < 2; ++column) map.linear[column][d] *= squeeze / texture[d];
+    const float scale = (texture[d] - 2 * kTextureMargin) / std::max(fit.size[d], 1e-6f);
+    map.offset[d] = (scale * map.offset[d] + kTextureMargin) / texture[d];
+    for (int column = 0; column < 2; ++column) map.linear[column][d] *= scale / texture[d];
   }
   return map;
 }

@@ -27,7 +27,7 @@ TextureFit fit_texture(const VisibleSurface& surface, const TextureFitOptions& o
 // Texels along u and v that the whole domain [0, 1]^2 needs where it is only scaled, to the same options.
 glm::vec2 whole_domain_size(const VisibleSurface& surface, const TextureFitOptions& options);
 
-// The fit in the middle of a texture of `width` x `height` texels; what would not go into it within kTextureMargin is squeezed.
+// The fit stretched or squeezed to fill a texture of `width` x `height` texels but for a margin.
 inline constexpr int kTextureMargin = 2;  // texels
 TextureMap map_of(const TextureFit& fit, int width, int height);
 

@@ -57,6 +57,7 @@ class Linker {
     image_.width = static_cast<uint32_t>(input_.width);
     image_.height = static_cast<uint32_t>(input_.height);
     image_.supersampling = static_cast<uint32_t>(input_.supersampling);
+    image_.filter = static_cast<fb::SurfaceFilter>(input_.filter);
     image_.paths_per_pixel = static_cast<uint32_t>(input_.scene->settings.samples_per_pixel);
     image_.noise_db = input_.scene->settings.noise_db;
     image_.frames_key = input_.frames_key;
@@ -145,6 +146,7 @@ class Linker {
     auto out = std::make_unique<fb::FieldT>();
     out->layer = checked_name(scene_, "a layer", field.layer);
     out->axes = field.axes;
+    add_texture(field, *out);
     add_shape(encoded.shape, *out);
     out->coder = fb::NodeCoder::dct;
     out->level_steps = encoded.level_steps;
@@ -153,6 +155,14 @@ class Linker {
     out->node_bytes = encoded.node_bytes;
     out->node_units = encoded.node_units;
     return out;
+  }
+
+  static void add_texture(const Field& field, fb::FieldT& out) {
+    out.texture_width = static_cast<uint32_t>(field.texture_width);
+    out.texture_height = static_cast<uint32_t>(field.texture_height);
+    for (const TextureMap& map : field.maps)
+      for (const float value : map.values()) out.maps.push_back(value);
+    out.block_maps = field.block_maps;
   }
 
   static void add_shape(const FieldShape& shape, fb::FieldT& out) {

@@ -16,6 +16,7 @@ namespace vitrine {
 struct LinkInput {
   const Scene* scene = nullptr;
   int width = 0, height = 0, supersampling = 2;
+  SurfaceFilter filter = SurfaceFilter::kTrilinear;  // for which the textures were inferred
   const Inference* inference = nullptr;
   const std::vector<EncodedField>* encoded = nullptr;  // parallel to inference->fields
   Plan plan;

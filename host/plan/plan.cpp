@@ -25,16 +25,10 @@ uint64_t composed_bytes(int width, int height) {
   }
 }
 
-// Fields of one object are composed into one texture, which is uploaded when any of them changes; in the first frame all are,
-// also those that never change again.
+// A field's texture is uploaded when what is shown of it changes; in the first frame all are, also those that never change again.
 uint64_t worst_upload(const std::vector<PlannedField>& fields) {
-  std::vector<int> counted;
   uint64_t bytes = 0;
-  for (const PlannedField& field : fields) {
-    if (field.object >= 0 && std::find(counted.begin(), counted.end(), field.object) != counted.end()) continue;
-    counted.push_back(field.object);
-    bytes += composed_bytes(field.width, field.height);
-  }
+  for (const PlannedField& field : fields) bytes += composed_bytes(field.width, field.height);
   return bytes;
 }
 

@@ -22,6 +22,7 @@
 
 #include "formats/block.h"
 #include "formats/parameter_space.h"
+#include "formats/surface_filter.h"
 #include "host/encode/encode.h"
 
 namespace vitrine {
@@ -34,6 +35,7 @@ struct Profile {
   uint64_t cache_bytes = 0;
   int supersampling = 2;
   int frames_per_second = 60;
+  SurfaceFilter filter = SurfaceFilter::kTrilinear;  // by which it reads textures
 };
 // A built-in name or the path of a profile file (TOML). Throws InputError.
 Profile load_profile(const std::string& name_or_path, const std::string& source = "--profile");
@@ -41,8 +43,7 @@ Profile load_profile(const std::string& name_or_path, const std::string& source 
 struct PlannedField {
   AxisMask axes = 0;
   const EncodedField* encoded = nullptr;
-  int width = 0, height = 0;  // texels of every node
-  int object = -1;            // fields of one object share one composed texture; -1: a texture of its own
+  int width = 0, height = 0;  // texels of every node, and of the composed texture
 };
 
 struct Plan {

@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <string_view>
 
+#include "formats/image.h"
 #include "host/base/error.h"
 #include "host/plan/plan.h"
 
@@ -21,10 +22,14 @@ constexpr uint64_t kMiB = uint64_t{1} << 20;
 // in a quarter of a frame.
 const std::array<Profile, 4>& built_in_profiles() {
   static const std::array<Profile, 4> profiles{{
-      {"osmesa-30", 8'000'000, 96 * kMiB, 1024 * kMiB, 2, 30},     // software GL on a server or laptop: tests, demos
-      {"kiosk-60", 4'000'000, 48 * kMiB, 512 * kMiB, 2, 60},       // small PC with integrated graphics
-      {"board-60", 1'000'000, 12 * kMiB, 128 * kMiB, 1, 60},       // 64-bit Arm board with GL ES 3.0
-      {"desktop-120", 4'000'000, 64 * kMiB, 1024 * kMiB, 3, 120},  // PC with a graphics card
+      // software GL on a server or laptop: tests, demos
+      {"osmesa-30", 8'000'000, 96 * kMiB, 1024 * kMiB, 2, 30, SurfaceFilter::kTrilinear},
+      // small PC with integrated graphics
+      {"kiosk-60", 4'000'000, 48 * kMiB, 512 * kMiB, 2, 60, SurfaceFilter::kTrilinear},
+      // 64-bit Arm board with GL ES 3.0
+      {"board-60", 1'000'000, 12 * kMiB, 128 * kMiB, 1, 60, SurfaceFilter::kTrilinear},
+      // PC with a graphics card
+      {"desktop-120", 4'000'000, 64 * kMiB, 1024 * kMiB, 3, 120, SurfaceFilter::kAnisotropic4},
   }};
   return profiles;
 }
@@ -35,6 +40,14 @@ std::string built_in_names() {
   return names;
 }
 
+std::string filter_names() {
+  std::string names;
+  for (const fb::SurfaceFilter filter : fb::EnumValuesSurfaceFilter())
+    names += (names.empty() ? "" : ", ") + std::string(fb::EnumNameSurfaceFilter(filter));
+  return names;
+}
+
+constexpr std::string_view kName = "name", kFilter = "texture_filter";
 struct Key {
   std::string_view name;
   int64_t lowest, highest;
@@ -47,9 +60,10 @@ class ProfileFile {
  public:
   explicit ProfileFile(const std::string& path) : path_(path), table_(parse(path)) {
     for (const auto& [key, value] : table_) {
-      if (key != "name" && !known(key))
+      if (!known(key))
         throw InputError(path_, fmt::format("unknown key \"{}\"", key.str()),
-                         "use name, units_per_frame, upload_bytes_per_frame, cache_bytes, supersampling, frames_per_second");
+                         "use name, units_per_frame, upload_bytes_per_frame, cache_bytes, supersampling, frames_per_second, "
+                         "texture_filter");
     }
   }
 
@@ -60,18 +74,21 @@ class ProfileFile {
   }
   int64_t optional(const Key& key, int64_t absent) const { return table_.contains(key.name) ? number(key) : absent; }
 
-  std::string name() const {
-    const toml::node* node = table_.get("name");
-    if (!node) return std::filesystem::path(path_).stem().string();
-    if (!node->is_string()) throw InputError(path_, "\"name\" is not a text", "write it in quotes");
-    return node->as_string()->get();
+  std::string name() const { return text(kName, std::filesystem::path(path_).stem().string()); }
+
+  SurfaceFilter filter(SurfaceFilter absent) const {
+    if (!table_.contains(kFilter)) return absent;
+    const std::string wanted = text(kFilter, "");
+    for (const fb::SurfaceFilter filter : fb::EnumValuesSurfaceFilter())
+      if (wanted == fb::EnumNameSurfaceFilter(filter)) return static_cast<SurfaceFilter>(filter);
+    throw InputError(path_, fmt::format("\"{}\" is no texture filter: \"{}\"", kFilter, wanted), "use one of " + filter_names());
   }
 
  private:
   static bool known(std::string_view key) {
     for (const Key& k : {kUnits, kUpload, kCache, kSupersampling, kRate})
       if (key == k.name) return true;
-    return false;
+    return key == kName || key == kFilter;
   }
 
   static toml::table parse(const std::string& path) {
@@ -81,6 +98,13 @@ class ProfileFile {
       throw InputError(fmt::format("{}:{}", path, error.source().begin.line), std::string(error.description()),
                        "correct the TOML");
     }
+  }
+
+  std::string text(std::string_view key, const std::string& absent) const {
+    const toml::node* node = table_.get(key);
+    if (!node) return absent;
+    if (!node->is_string()) throw InputError(path_, fmt::format("\"{}\" is not a text", key), "write it in quotes");
+    return node->as_string()->get();
   }
 
   int64_t number(const Key& key) const {
@@ -105,6 +129,7 @@ Profile read_profile(const std::string& path) {
   profile.cache_bytes = static_cast<uint64_t>(file.required(kCache));
   profile.supersampling = static_cast<int>(file.optional(kSupersampling, profile.supersampling));
   profile.frames_per_second = static_cast<int>(file.optional(kRate, profile.frames_per_second));
+  profile.filter = file.filter(profile.filter);
   return profile;
 }
 

@@ -73,11 +73,13 @@ ObjectError object_error(const std::string& name, const std::vector<int>& pixels
 }
 
 // What the uncoded textures of the nearest grid sample show: the loss of inference alone.
-Picture inferred_picture(const Scene& scene, const Inference& inference, const Store& store, hal::Gpu& gpu, const Position& position, int supersampling) {
+Picture inferred_picture(const Scene& scene, const Inference& inference, const Store& store, hal::Gpu& gpu,
+                         const ImageView& image, const Position& position) {
   InferenceOptions options;
   options.width = scene.settings.width;
   options.height = scene.settings.height;
-  options.supersampling = supersampling;
+  options.supersampling = static_cast<int>(image.directory().supersampling());
+  options.filter = image.filter();
   const ParameterSpace space = scene.space();
   Picture picture{options.width, options.height, {}};
   const int64_t sample = space.flat_from_index(space.nearest_sample(position));
@@ -137,8 +139,7 @@ Verification verify_image(const ImageView& image, const Scene& scene, const Stor
     } while (comparison.noise * margin > comparison.squared_error && reference.paths_per_pixel() < options.max_paths);
     comparison.paths_per_pixel = reference.paths_per_pixel();
     if (inference && comparison.kind == "at") {
-      comparison.inferred = inferred_picture(scene, *inference, store, *gpu.value(), comparison.position,
-                                             static_cast<int>(image.directory().supersampling()));
+      comparison.inferred = inferred_picture(scene, *inference, store, *gpu.value(), image, comparison.position);
       comparison.inferred_squared_error = mean_squared_error(*comparison.inferred, comparison.truth);
       comparison.inferred_objects = object_errors(scene, reference, *comparison.inferred, comparison.truth);
     }

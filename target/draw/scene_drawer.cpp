@@ -44,8 +44,8 @@ Status check(const DrawerDesc& desc) {
   if (desc.width < 1 || desc.height < 1) return {StatusCode::kMalformed, "the picture has no pixels"};
   if (desc.supersampling < 1 || desc.supersampling > kMaxSupersampling)
     return {StatusCode::kMalformed, "supersampling is not in 1..4"};
-  if (desc.max_textures < 1 || desc.max_textures > kMaxSurfaceTextures)
-    return {StatusCode::kMalformed, "an object's textures are not 1..8"};
+  if (desc.max_textures < 0 || desc.max_textures > kMaxSurfaceTextures)
+    return {StatusCode::kMalformed, "an object's textures are not 0..8"};
   return {};
 }
 

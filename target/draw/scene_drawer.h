@@ -27,7 +27,7 @@ struct DrawerDesc {
   int supersampling = 2;                                            // 1..4
   hal::TextureFormat target_format = hal::TextureFormat::kRgba16f;  // kRgba32f for inference
   SurfaceFilter filter = SurfaceFilter::kTrilinear;
-  int max_textures = 1;  // of one object, 1..kMaxSurfaceTextures
+  int max_textures = 1;  // of one object, 0..kMaxSurfaceTextures
 };
 
 inline constexpr int kMaxSurfaceTextures = 8;  // of one object

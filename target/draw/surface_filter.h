@@ -5,16 +5,9 @@
 // are explicit taps, after the formulas of EXT_texture_filter_anisotropic.
 #pragma once
 
-#include <cstdint>
+#include "formats/surface_filter.h"
 
 namespace vitrine {
-
-enum class SurfaceFilter : uint8_t {
-  kBilinear,      // of the finest level alone
-  kTrilinear,     // at the level that the device chooses
-  kAnisotropic2,  // 2 taps, each trilinear at a level that is finer by up to 1 where the footprint is long
-  kAnisotropic4,  // 4 taps, finer by up to 2
-};
 
 int tap_count(SurfaceFilter filter);
 

@@ -22,5 +22,14 @@ TEST(TraceOptions, AnAxisThatGrowsALittleLeavesTheFramesThatThereAre) {
   }
 }
 
+TEST(InferenceOptions, TexturesAreInferredForTheDrawingThatWillPlayThem) {
+  const auto scene = load_scene(VITRINE_SOURCE_DIR "/tests/scenes/table");
+  const InferenceOptions options = inference_options(*scene, 3, SurfaceFilter::kAnisotropic4);
+  EXPECT_EQ(options.width, scene->settings.width);
+  EXPECT_EQ(options.height, scene->settings.height);
+  EXPECT_EQ(options.supersampling, 3);
+  EXPECT_EQ(options.filter, SurfaceFilter::kAnisotropic4);
+}
+
 }  // namespace
 }  // namespace vitrine::test

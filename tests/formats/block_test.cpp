@@ -57,6 +57,7 @@ TEST(Block, EverySampleLiesInExactlyOneNodePerLevel) {
         ASSERT_LT(node, shape.node_count());
         ASSERT_EQ(shape.level_of(node), level);
         ASSERT_TRUE(contains(shape, shape.samples_of(node), sample));
+        ASSERT_EQ(shape.block_of(sample), node / shape.nodes_per_block());
       }
     }
   }
@@ -90,6 +91,9 @@ TEST(Block, TheStaggerShortensTheFirstBlock) {
   EXPECT_EQ(shape.samples_of(9).first[0], 5);  // 5..12
   EXPECT_EQ(shape.samples_of(18).last[0], 19);
   EXPECT_LT(shape.samples_of(1).last[0], shape.samples_of(1).first[0]);  // before the grid
+  EXPECT_EQ(shape.block_of({4}), 0);
+  EXPECT_EQ(shape.block_of({5}), 1);
+  EXPECT_EQ(shape.block_of({19}), 2);
   EXPECT_EQ(shape.node_of({4}, 0), 0);
   EXPECT_EQ(shape.node_of({5}, 0), 9);
   EXPECT_EQ(shape.node_of({5}, 1), 10);
@@ -112,6 +116,9 @@ TEST(Block, NodesAreNumberedBlockThenLevelThenCell) {
   EXPECT_EQ(shape.node_of({2, 0}, 0), 20);
   EXPECT_EQ(shape.node_of({1, 0}, 1), 2 + 4);
   EXPECT_EQ(shape.node_of({3, 7}, 1), 30 + 2 + 7);
+  EXPECT_EQ(shape.block_of({1, 3}), 0);
+  EXPECT_EQ(shape.block_of({1, 4}), 1);
+  EXPECT_EQ(shape.block_of({2, 3}), 2);
 }
 
 TEST(Block, AShapeThatCountsBeyondAnIntIsNotValid) {

@@ -32,6 +32,7 @@ void use(const ImageView& view) {
     for (const fb::Field* field : *object->fields()) {
       const FieldShape shape = view.shape_of(*field);
       for (int node = 0; node < shape.node_count(); ++node) (void)shape.samples_of(node);
+      for (int block = 0; block < shape.block_count(); ++block) (void)view.map_of(*field, block);
     }
   }
 }
@@ -49,6 +50,7 @@ TEST(Image, WhatWasWrittenIsReadBack) {
   EXPECT_EQ(view.space().axes[0].samples, 10);
   EXPECT_EQ(view.camera().node, 2);
   EXPECT_EQ(view.camera().far_distance, 100.0f);
+  EXPECT_EQ(view.filter(), SurfaceFilter::kAnisotropic2);
   for (uint32_t i = 0; i < image.sections.size(); ++i) {
     const auto section = view.section(i);
     EXPECT_TRUE(std::equal(section.begin(), section.end(), image.sections[i].bytes.begin(), image.sections[i].bytes.end()));
@@ -58,6 +60,35 @@ TEST(Image, WhatWasWrittenIsReadBack) {
   EXPECT_EQ(shape.space.axes[1].samples, 4);
   EXPECT_EQ(shape.pyramid.level_count, 3);
   EXPECT_EQ(shape.pyramid.cell[1][1], 2);
+}
+
+TEST(Image, ABlockLiesOnTheMeshByTheMapThatWasWrittenForIt) {
+  TestImage image = make_test_image();
+  const TextureMap maps[] = {{}, {{0.25f, 1}, glm::mat2(0.5f, 0.125f, -0.25f, 2), {0.75f, -1}}};
+  fb::FieldT& written = *image.directory.objects[0]->fields[1];
+  written.maps.clear();
+  for (const TextureMap& map : maps) test::add_map(written, map);
+  image.directory.objects[1]->fields[0]->block_maps.clear();
+  const AlignedBytes file = image.file();
+  const Result<ImageView> opened = ImageView::open(file.bytes());
+  ASSERT_TRUE(opened.ok()) << opened.status().detail();
+  const fb::Field& several = *opened.value().directory().objects()->Get(0)->fields()->Get(1);
+  for (const int block : {0, 1, 2, 5}) EXPECT_EQ(opened.value().map_of(several, block), maps[block % 2]) << block;
+  const fb::Field& still = *opened.value().directory().objects()->Get(1)->fields()->Get(0);
+  EXPECT_EQ(opened.value().map_of(still, 0), TextureMap{}) << "without numbers all blocks have the first";
+}
+
+TEST(Image, BlendedSamplesOfAFieldLieOnTheMeshByOneMap) {
+  TestImage image = make_test_image();
+  image.directory.interpolate = true;
+  EXPECT_EQ(open_status(image.file()).code(), StatusCode::kMalformed);
+  for (auto& object : image.directory.objects)
+    for (auto& field : object->fields) {
+      field->maps.resize(kTextureMapValues);
+      field->block_maps.clear();
+    }
+  const Status status = open_status(image.file());
+  EXPECT_TRUE(status.ok()) << status.detail();
 }
 
 TEST(Image, RigIsReadBackWithDefaultsForWhatIsAbsent) {
@@ -139,6 +170,7 @@ const Defect kDefects[] = {
     {"TooMuchSupersampling", [](TestImage& i) { i.directory.supersampling = 5; }},
     {"ExposureZero", [](TestImage& i) { i.directory.exposure = 0; }},
     {"ExposureNaN", [](TestImage& i) { i.directory.exposure = kNaN; }},
+    {"FilterUnknown", [](TestImage& i) { i.directory.filter = static_cast<fb::SurfaceFilter>(4); }},
     {"ProducerWithControlCharacters", [](TestImage& i) { i.directory.producer = "\x1b[2J"; }},
     {"FiveAxes",
      [](TestImage& i) {
@@ -219,13 +251,6 @@ const Defect kDefects[] = {
     {"ObjectWithHalfATriangle", [](TestImage& i) { object_of(i).index_count = 8; }},
     {"ObjectCulledBeyondIndices", [](TestImage& i) { object_of(i).culled_index_count = 12; }},
     {"ObjectCulledHalfATriangle", [](TestImage& i) { object_of(i).culled_index_count = 4; }},
-    {"ObjectTextureZero", [](TestImage& i) { object_of(i).texture_width = 0; }},
-    {"ObjectTextureTooLarge", [](TestImage& i) { object_of(i).texture_height = kMaxTextureSize + 1; }},
-    {"ObjectTexturesTooLargeTogether",
-     [](TestImage& i) {
-       for (int n = 0; n < 4; ++n) i.directory.objects.push_back(test::make_object(i, numbered(n), 0));
-       for (auto& object : i.directory.objects) object->texture_width = object->texture_height = kMaxTextureSize;
-     }},
     {"ObjectVerticesElsewhere", [](TestImage& i) { object_of(i).vertices = 1; }},
     {"ObjectVerticesBeyondSections", [](TestImage& i) { object_of(i).vertices = 1000; }},
     {"ObjectIndicesShared", [](TestImage& i) { i.directory.objects[1]->indices = object_of(i).indices; }},
@@ -235,11 +260,42 @@ const Defect kDefects[] = {
     {"SectionMissing", [](TestImage& i) { i.sections.pop_back(); }},
     {"TooManyFields",
      [](TestImage& i) {
-       for (int n = 0; n < 17; ++n) i.directory.objects[1]->fields.push_back(test::make_field(i, numbered(n), 0));
+       for (int n = 0; n < 8; ++n) i.directory.objects[1]->fields.push_back(test::make_field(i, numbered(n), 0));
      }},
     {"FieldLayersEqual", [](TestImage& i) { field_of(i).layer = "diffuse"; }},
     {"FieldLayerWithoutName", [](TestImage& i) { field_of(i).layer = ""; }},
     {"FieldOnNoAxis", [](TestImage& i) { field_of(i).axes = 7; }},
+    {"FieldTextureWithoutWidth", [](TestImage& i) { field_of(i).texture_width = 0; }},
+    {"FieldTextureWithoutHeight", [](TestImage& i) { field_of(i).texture_height = 0; }},
+    {"FieldTextureTooWide", [](TestImage& i) { field_of(i).texture_width = kMaxTextureSize + 1; }},
+    {"FieldTextureTooHigh", [](TestImage& i) { field_of(i).texture_height = kMaxTextureSize + 1; }},
+    {"FieldTexturesTooLargeTogether",
+     [](TestImage& i) {
+       for (auto& object : i.directory.objects)
+         for (auto& field : object->fields) field->texture_width = field->texture_height = kMaxTextureSize;
+     }},
+    {"MapsMissing", [](TestImage& i) { field_of(i).maps.clear(); }},
+    {"MapShort", [](TestImage& i) { field_of(i).maps.pop_back(); }},
+    {"MapsTooManyOfAField", [](TestImage& i) { field_of(i).maps.assign(kTextureMapValues * 65537, 0.5f); }},
+    {"MapsTooManyTogether",
+     [](TestImage& i) {
+       for (uint32_t n = 0; n < 17; ++n) {
+         i.directory.objects.push_back(test::make_object(i, "o" + std::to_string(n), 0));
+         i.directory.objects.back()->fields.push_back(test::make_field(i, "layer", 0));
+         i.directory.objects.back()->fields[0]->maps.assign(kTextureMapValues * 65536, 0.5f);
+       }
+     }},
+    {"MapCutNegative", [](TestImage& i) { field_of(i).maps[8] = -0.01f; }},
+    {"MapCutBeyondOne", [](TestImage& i) { field_of(i).maps[9] = 1.01f; }},
+    {"MapCutNaN", [](TestImage& i) { field_of(i).maps[0] = kNaN; }},
+    {"MapNaN", [](TestImage& i) { field_of(i).maps[2] = kNaN; }},
+    {"MapInfinite", [](TestImage& i) { field_of(i).maps[15] = kInfinity; }},
+    {"MapTooSteep", [](TestImage& i) { field_of(i).maps[6] = -1.1e6f; }},
+    {"MapTooFarAway", [](TestImage& i) { field_of(i).maps[4] = 1.1e6f; }},
+    {"BlockMapMissing", [](TestImage& i) { field_of(i).block_maps.pop_back(); }},
+    {"BlockMapOfNoBlock", [](TestImage& i) { field_of(i).block_maps.push_back(0); }},
+    {"BlockMapThatDoesNotExist", [](TestImage& i) { field_of(i).block_maps[3] = 2; }},
+    {"BlockMapFarBeyond", [](TestImage& i) { field_of(i).block_maps.back() = 65535; }},
     {"FieldCoderUnknown", [](TestImage& i) { field_of(i).coder = static_cast<fb::NodeCoder>(1); }, StatusCode::kUnsupported},
     {"BlockSizePerAxisMissing", [](TestImage& i) { field_of(i).block_size.pop_back(); }},
     {"BlockSizeNotAPowerOfTwo", [](TestImage& i) { field_of(i).block_size[0] = 6; }},

@@ -66,12 +66,21 @@ inline std::unique_ptr<fb::RigNodeT> make_node(int32_t parent, float z) {
   return node;
 }
 
-// A field of blocks of 4 samples with three levels; every third node on the grid has bytes (not a coder's: nothing here
-// decodes them).
+inline void add_map(fb::FieldT& field, const TextureMap& map) {
+  const auto values = map.values();
+  field.maps.insert(field.maps.end(), values.begin(), values.end());
+}
+
+// A field of blocks of 4 samples with three levels, which lie on the mesh by two maps in turn; every third node on the grid has
+// bytes (not a coder's: nothing here decodes them).
 inline std::unique_ptr<fb::FieldT> make_field(TestImage& image, const std::string& layer, AxisMask axes) {
   auto field = std::make_unique<fb::FieldT>();
   field->layer = layer;
   field->axes = axes;
+  field->texture_width = 40;
+  field->texture_height = 24;
+  add_map(*field, {});
+  add_map(*field, {{0.25f, 0}, glm::mat2(0.5f, 0.125f, -0.25f, 2), {0.75f, -1}});
   FieldShape shape;
   shape.space.axis_count = static_cast<int>(image.directory.axes.size());
   for (int a = 0; a < shape.space.axis_count; ++a)
@@ -91,6 +100,7 @@ inline std::unique_ptr<fb::FieldT> make_field(TestImage& image, const std::strin
       shape.pyramid.cell[level][a] = static_cast<uint8_t>(shape.block_size[a] >> (shape.block_size[a] > 1 ? level : 0));
       field->cells.push_back(shape.pyramid.cell[level][a]);
     }
+  for (int block = 0; block < shape.block_count(); ++block) field->block_maps.push_back(static_cast<uint16_t>(block % 2));
   field->level_steps = {64, 80, 80, 32, 40, 40, 16, 20, 20};
   std::vector<std::byte> nodes;
   for (int node = 0; node < shape.node_count(); ++node) {
@@ -116,8 +126,6 @@ inline std::unique_ptr<fb::ObjectT> make_object(TestImage& image, const std::str
   object->culled_index_count = 6;
   object->vertices = image.add(fb::SectionKind::vertices, coded_vertices(vertices));
   object->indices = image.add(fb::SectionKind::indices, coded_indices(indices, vertices.size()));
-  object->texture_width = 40;
-  object->texture_height = 24;
   return object;
 }
 
@@ -130,6 +138,7 @@ inline TestImage make_test_image() {
   d.width = 64;
   d.height = 48;
   d.supersampling = 2;
+  d.filter = fb::SurfaceFilter::anisotropic2;
   d.axes.push_back(make_axis("view", fb::AxisKind::linear, 10));
   d.axes.push_back(make_axis("lamp", fb::AxisKind::periodic, 4));
   for (int n = 0; n < 4; ++n) d.nodes.push_back(make_node(n - 1, static_cast<float>(n)));

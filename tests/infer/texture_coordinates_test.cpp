@@ -100,7 +100,7 @@ TEST(TextureCoordinates, WhatTheSeamDividesIsMadeWhole) {
   // Both sides of the seam lie side by side.
   const TextureMap map = map_of(fit, 512, 512);
   EXPECT_NEAR(glm::length(map({1, 0.5f}) - map({0, 0.5f})), 0, 1e-5f);
-  EXPECT_LT(glm::length(map({0.99f, 0.5f}) - map({0.01f, 0.5f})), 0.02f);
+  EXPECT_LT(glm::length(map({0.99f, 0.5f}) - map({0.01f, 0.5f})), 0.04f);
 }
 
 TEST(TextureCoordinates, ASlantedStripGetsASlantedRectangle) {
@@ -114,7 +114,7 @@ TEST(TextureCoordinates, ASlantedStripGetsASlantedRectangle) {
   EXPECT_NEAR((high - low).y, 10, 1);
 }
 
-TEST(TextureCoordinates, WhatIsTooLargeIsSqueezedInside) {
+TEST(TextureCoordinates, ItFillsTheTextureThatItGets) {
   TextureFit fit;
   fit.linear = glm::mat2(900, 0, 0, 50);
   fit.low = {90, 5};
@@ -125,7 +125,7 @@ TEST(TextureCoordinates, WhatIsTooLargeIsSqueezedInside) {
     EXPECT_GE(texel.x, kTextureMargin - 0.01f);
     EXPECT_LE(texel.x, 128 - kTextureMargin + 0.01f);
   }
-  EXPECT_NEAR((map({0, 0.9f}) - map({0, 0.1f})).y * 64, 40, 1e-3f);  // the other dimension has room
+  EXPECT_NEAR((map({0, 0.9f}) - map({0, 0.1f})).y * 64, 64 - 2 * kTextureMargin, 1e-3f);
 }
 
 class SurveyTest : public ::testing::Test {

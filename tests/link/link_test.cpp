@@ -33,8 +33,6 @@ DrawnObject wavy_grid(int object, int n) {
       drawn.indices.insert(drawn.indices.end(), {a, b, d, a, d, c});
     }
   drawn.culled_index_count = static_cast<uint32_t>(drawn.indices.size() / 6 * 3);
-  drawn.texture_width = 48;
-  drawn.texture_height = 32;
   return drawn;
 }
 
@@ -131,9 +129,18 @@ std::unique_ptr<Input> make_input() {
     field.axes = f.axes;
     field.space = scene.space().restricted(f.axes);
     input->encoded.push_back(encoded_field(field.space, static_cast<uint32_t>(input->encoded.size())));
+    field.texture_width = 48 - f.drawn;
+    field.texture_height = 32 + static_cast<int>(f.axes);
+    field.maps = {{{0.5f, 0}, glm::mat2(1, 2, 3, 4), {5, static_cast<float>(f.axes)}}};
     input->inference.fields.push_back(std::move(field));
   }
-  input->link = {&scene, 320, 240, 2, &input->inference, &input->encoded, {1000, 900, 800, 700, 6, 5}};
+  input->link = {.scene = &scene,
+                 .width = 320,
+                 .height = 240,
+                 .filter = SurfaceFilter::kAnisotropic4,
+                 .inference = &input->inference,
+                 .encoded = &input->encoded,
+                 .plan = {1000, 900, 800, 700, 6, 5}};
   return input;
 }
 
@@ -146,6 +153,7 @@ TEST(Link, TheImageHoldsWhatTheStagesMade) {
   const fb::Image& d = view.directory();
   EXPECT_EQ(d.width(), 320u);
   EXPECT_EQ(d.supersampling(), 2u);
+  EXPECT_EQ(view.filter(), SurfaceFilter::kAnisotropic4);
   EXPECT_EQ(d.exposure(), 1.5f);
   EXPECT_TRUE(d.interpolate());
   EXPECT_EQ(d.axes()->Get(1)->name()->str(), "lamp");
@@ -166,6 +174,10 @@ TEST(Link, TheImageHoldsWhatTheStagesMade) {
     const EncodedField& encoded = input->encoded[number];
     EXPECT_EQ(field->layer()->str(), input->inference.fields[number].layer);
     EXPECT_EQ(field->axes(), input->inference.fields[number].axes);
+    EXPECT_EQ(static_cast<int>(field->texture_width()), input->inference.fields[number].texture_width);
+    EXPECT_EQ(static_cast<int>(field->texture_height()), input->inference.fields[number].texture_height);
+    EXPECT_EQ(field->maps()->size(), static_cast<uint32_t>(kTextureMapValues));
+    EXPECT_EQ(view.map_of(*field, 0), input->inference.fields[number].maps[0]);
     EXPECT_EQ(view.shape_of(*field).node_count(), encoded.shape.node_count());
     const auto nodes = view.section(field->nodes());
     ASSERT_EQ(nodes.size(), encoded.nodes.size());
@@ -173,6 +185,20 @@ TEST(Link, TheImageHoldsWhatTheStagesMade) {
     EXPECT_EQ(view.section(field->contexts()).size(), encoded.contexts.size());
     for (uint32_t n = 0; n < encoded.node_bytes.size(); ++n) EXPECT_EQ(field->node_bytes()->Get(n), encoded.node_bytes[n]);
   }
+}
+
+TEST(Link, EveryBlockKeepsItsOwnMap) {
+  const auto input = make_input();
+  input->scene.settings.interpolate = false;
+  Field& field = input->inference.fields[2];
+  ASSERT_EQ(input->encoded[2].shape.block_count(), 2);
+  field.maps.push_back({{0, 0.25f}, glm::mat2(2), {-1, 0}});
+  field.block_maps = {1, 0};
+  const AlignedBytes file(link_image(input->link));
+  const ImageView view = ImageView::open(file.bytes()).value();
+  const fb::Field& linked = *view.directory().objects()->Get(0)->fields()->Get(1);
+  EXPECT_EQ(view.map_of(linked, 0), field.maps[1]);
+  EXPECT_EQ(view.map_of(linked, 1), field.maps[0]);
 }
 
 TEST(Link, TheRigIsCutDownAndMovesAsBefore) {

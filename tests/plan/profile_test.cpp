@@ -55,6 +55,25 @@ TEST(Profile, AnUnknownNameIsAnsweredWithTheKnownOnes) {
   }
 }
 
+TEST(Profile, OnlyAGraphicsCardIsGivenManyTaps) {
+  EXPECT_EQ(load_profile("desktop-120").filter, SurfaceFilter::kAnisotropic4);
+  for (const char* name : {"osmesa-30", "kiosk-60", "board-60"})
+    EXPECT_EQ(load_profile(name).filter, SurfaceFilter::kTrilinear) << name;
+}
+
+TEST_F(ProfileFile, EveryTextureFilterHasAName) {
+  const std::string good = "units_per_frame = 1\nupload_bytes_per_frame = 1\ncache_bytes = 1\n";
+  EXPECT_EQ(load_profile(write(good)).filter, SurfaceFilter::kTrilinear);
+  const std::pair<const char*, SurfaceFilter> filters[] = {{"bilinear", SurfaceFilter::kBilinear},
+                                                           {"trilinear", SurfaceFilter::kTrilinear},
+                                                           {"anisotropic2", SurfaceFilter::kAnisotropic2},
+                                                           {"anisotropic4", SurfaceFilter::kAnisotropic4}};
+  for (const auto& [name, filter] : filters)
+    EXPECT_EQ(load_profile(write(good + "texture_filter = \"" + name + "\"\n")).filter, filter) << name;
+  EXPECT_NE(message_of(good + "texture_filter = \"sharp\"\n").find("anisotropic2"), std::string::npos);
+  EXPECT_NE(message_of(good + "texture_filter = 4\n").find("\"texture_filter\" is not a text"), std::string::npos);
+}
+
 TEST_F(ProfileFile, IsReadInFull) {
   const Profile profile = load_profile(write(
       "units_per_frame = 123\nupload_bytes_per_frame = 456\ncache_bytes = 789\nsupersampling = 3\nframes_per_second = 72\n"));

@@ -36,7 +36,7 @@ std::vector<int16_t> random_node(size_t values, uint32_t seed) {
   return node;
 }
 
-TEST(Compose, EqualsThePlainSumOfLayersLevelsAndMips) {
+TEST(Compose, EqualsThePlainSumOfSamplesLevelsAndMips) {
   const RadianceTable radiance = make_radiance_table();
   const int w = 37, h = 22;
   const size_t texels = static_cast<size_t>(w * h);
@@ -77,11 +77,12 @@ TEST(Compose, EqualsThePlainSumOfLayersLevelsAndMips) {
   }
 }
 
-TEST(Compose, WithoutTermsATextureIsBlack) {
+TEST(Compose, WithoutLevelsATextureIsBlack) {
   const RadianceTable radiance = make_radiance_table();
   std::vector<float> scratch(compose_scratch_floats(3, 2), 5.0f);
   std::vector<uint16_t> out(4 * texels_with_mips(3, 2), 77);
-  compose_texture({}, 3, 2, radiance, scratch, out);
+  const LeafTerm nothing;
+  compose_texture({&nothing, 1}, 3, 2, radiance, scratch, out);
   for (size_t i = 0; i < out.size(); ++i) EXPECT_EQ(out[i], i % 4 == 3 ? 0x3c00 : 0);
 }
 
@@ -103,8 +104,8 @@ TEST(Compose, TimeIsPrinted) {
     compose_texture(terms, kSize, kSize, radiance, scratch, out);
     best = std::min(best, std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count());
   }
-  std::printf("256 x 256, two layers of four levels: %.2f ms\n", best);
-  RecordProperty("compose_256_two_layers_ms", std::to_string(best));
+  std::printf("256 x 256, two samples of four levels: %.2f ms\n", best);
+  RecordProperty("compose_256_two_samples_ms", std::to_string(best));
 }
 
 }  // namespace

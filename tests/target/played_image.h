@@ -3,8 +3,9 @@
 // A small image with real coded nodes, and the textures that a player must make of it, computed plainly.
 #pragma once
 
-#include <functional>
+#include <cmath>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -16,48 +17,71 @@
 
 namespace vitrine::test {
 
-struct PlayedField {
-  FieldShape shape;
-  std::vector<std::vector<int16_t>> planes;  // of each node as it decodes; empty: all zero
+// Where the supersampled picture lies in a texture that is at least as large: the halves exchanged or not, then moved.
+struct Placement {
+  bool cut = false;
+  int left = 0, bottom = 0;  // texels
 };
 
-struct PlayedObject {
+struct PlayedField {
+  FieldShape shape;
   int width = 0, height = 0;
-  std::vector<PlayedField> fields;
+  std::vector<Placement> placements;         // of block b: number b modulo their count
+  std::vector<std::vector<int16_t>> planes;  // of each node as it decodes; empty: all zero
+
+  const Placement& placement_of(const GridIndex& sample) const {
+    return placements[static_cast<size_t>(shape.block_of(sample)) % placements.size()];
+  }
 };
 
 struct PlayedImageOptions {
-  int width = 40, height = 24, supersampling = 2;  // the first object's texture is the supersampled picture's size
+  int width = 40, height = 24, supersampling = 2;  // the first field's texture is the supersampled picture's size
   bool interpolate = false;
   uint64_t units_budget = 1u << 30, cache_bytes = 1u << 30;
   uint32_t horizon_frames = 8;
   float max_speed = 0.25f;
   int view_samples = 16, lamp_samples = 8;
   float exposure = 1;
+  SurfaceFilter filter = SurfaceFilter::kTrilinear;
 };
 
-// A camera that looks at "wall", a rectangle that fills the picture exactly, on which lies a layer that depends on the lamp
-// and one that depends on view and lamp; and "static", which nothing moves and which stands behind it.
+// A camera that looks at "wall", a rectangle that fills the picture exactly, texel on pixel, on which lies a layer that depends
+// on the lamp and one that depends on view and lamp and whose larger textures lie otherwise from block to block (with
+// `interpolate`: all alike, and cut); and "static", which nothing moves and which stands behind it.
 class PlayedImage {
  public:
   explicit PlayedImage(const PlayedImageOptions& options) : options_(options) { build(); }
 
   std::span<const std::byte> bytes() const { return file_->bytes(); }
   ImageView view() const { return ImageView::open(bytes()).value(); }
-  const std::vector<PlayedObject>& objects() const { return objects_; }
+  const std::vector<PlayedField>& fields() const { return fields_; }  // the wall's two, then the other
   TestImage& source() { return image_; }
   void rewrite() { file_ = std::make_unique<AlignedBytes>(write_image(image_.directory, image_.sections)); }
 
-  // Linear radiance of an object's finest level at a position: R, G, B per texel.
-  std::vector<float> texture(size_t object, const Position& position) const {
-    const PlayedObject& o = objects_[object];
-    std::vector<float> sum(3 * static_cast<size_t>(o.width * o.height));
-    for (const PlayedField& field : o.fields) {
-      std::array<Corner, kMaxCorners> corners;
-      int count = 1;
-      corners[0] = {field.shape.space.nearest_sample(position), 1.0f};
-      if (options_.interpolate) count = corners_around(field.shape.space, position, corners);
-      for (int i = 0; i < count; ++i) add_leaf(o, field, corners[static_cast<size_t>(i)], sum);
+  // Linear radiance of a field's finest level at a position: R, G, B per texel.
+  std::vector<float> texture(const PlayedField& field, const Position& position) const {
+    std::vector<float> sum(3 * static_cast<size_t>(field.width * field.height));
+    std::array<Corner, kMaxCorners> corners;
+    int count = 1;
+    corners[0] = {field.shape.space.nearest_sample(position), 1.0f};
+    if (options_.interpolate) count = corners_around(field.shape.space, position, corners);
+    for (int i = 0; i < count; ++i) add_leaf(field, corners[static_cast<size_t>(i)], sum);
+    return sum;
+  }
+
+  // Linear radiance of the supersampled picture: R, G, B per pixel, bottom row first.
+  std::vector<float> picture(const Position& position) const {
+    const int columns = options_.supersampling * options_.width, rows = options_.supersampling * options_.height;
+    std::vector<float> sum(3 * static_cast<size_t>(columns * rows));
+    for (const PlayedField& field : std::span(fields_).first(2)) {
+      const std::vector<float> texels = texture(field, position);
+      const Placement& placement = field.placement_of(field.shape.space.nearest_sample(position));
+      for (int y = 0; y < rows; ++y)
+        for (int x = 0; x < columns; ++x) {
+          const int u = (placement.cut ? (x + columns / 2) % columns : x) + placement.left, v = y + placement.bottom;
+          for (int c = 0; c < 3; ++c)
+            sum[static_cast<size_t>(3 * (y * columns + x) + c)] += texels[static_cast<size_t>(3 * (v * field.width + u) + c)];
+        }
     }
     return sum;
   }
@@ -70,6 +94,7 @@ class PlayedImage {
     d.supersampling = static_cast<uint32_t>(options_.supersampling);
     d.interpolate = options_.interpolate;
     d.exposure = options_.exposure;
+    d.filter = static_cast<fb::SurfaceFilter>(options_.filter);
     d.axes.push_back(make_axis("view", fb::AxisKind::linear, static_cast<uint32_t>(options_.view_samples)));
     d.axes.push_back(make_axis("lamp", fb::AxisKind::periodic, static_cast<uint32_t>(options_.lamp_samples)));
     for (auto& axis : d.axes) axis->max_speed = options_.max_speed;
@@ -86,29 +111,31 @@ class PlayedImage {
     d.plan->units_budget = options_.units_budget;
     d.plan->cache_bytes = options_.cache_bytes;
     d.plan->horizon_frames = options_.horizon_frames;
-    const int s = options_.supersampling;
-    add_object("wall", s * options_.width, s * options_.height, 0.0f, {2, 3});
-    add_object("static", 20, 33, -1.0f, {0});
+    const int w = options_.supersampling * options_.width, h = options_.supersampling * options_.height;
+    fb::ObjectT& wall = add_object("wall", 0);
+    add_field(wall, 2, w, h, {{}});
+    const std::vector<Placement> placements{{true, 2, 1}, {false, 5, 3}, {true, 0, 4}};
+    add_field(wall, 3, w + 6, h + 4, options_.interpolate ? std::vector{placements[0]} : placements);
+    add_field(add_object("static", -1), 0, 20, 33, {{}});
     rewrite();
   }
 
-  void add_object(const std::string& name, int width, int height, float z, const std::vector<AxisMask>& fields) {
+  // Its left half and its right half share no vertex: the mesh's coordinates can be cut between them.
+  fb::ObjectT& add_object(const std::string& name, float z) {
     auto object = std::make_unique<fb::ObjectT>();
-    const float half = static_cast<float>(options_.width) / static_cast<float>(options_.height);
-    const std::vector<MeshVertex> vertices{{-half, -1, z, 0, 0}, {half, -1, z, 1, 0}, {half, 1, z, 1, 1}, {-half, 1, z, 0, 1}};
-    const std::vector<uint32_t> indices{0, 1, 2, 0, 2, 3};
+    const float side = static_cast<float>(options_.width) / static_cast<float>(options_.height);
+    const float seam = std::nextafter(0.5f, 0.0f);
+    const std::vector<MeshVertex> vertices{{-side, -1, z, 0, 0}, {0, -1, z, seam, 0}, {0, 1, z, seam, 1}, {-side, 1, z, 0, 1},
+                                           {0, -1, z, 0.5f, 0},  {side, -1, z, 1, 0}, {side, 1, z, 1, 1}, {0, 1, z, 0.5f, 1}};
+    const std::vector<uint32_t> indices{0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7};
     object->name = name;
     object->node = 0;
-    object->vertex_count = 4;
-    object->index_count = 6;
-    object->culled_index_count = 6;
+    object->vertex_count = static_cast<uint32_t>(vertices.size());
+    object->index_count = object->culled_index_count = static_cast<uint32_t>(indices.size());
     object->vertices = image_.add(fb::SectionKind::vertices, coded_vertices(vertices));
-    object->indices = image_.add(fb::SectionKind::indices, coded_indices(indices, 4));
-    object->texture_width = static_cast<uint32_t>(width);
-    object->texture_height = static_cast<uint32_t>(height);
-    objects_.push_back({width, height, {}});
-    for (const AxisMask axes : fields) object->fields.push_back(add_field(axes, "layer" + std::to_string(axes)));
+    object->indices = image_.add(fb::SectionKind::indices, coded_indices(indices, vertices.size()));
     image_.directory.objects.push_back(std::move(object));
+    return *image_.directory.objects.back();
   }
 
   // Blocks of four samples and three levels, staggered by one.
@@ -128,11 +155,24 @@ class PlayedImage {
     return shape;
   }
 
-  std::unique_ptr<fb::FieldT> add_field(AxisMask axes, const std::string& layer) {
-    PlayedField truth{shape_of(axes), {}};
+  // The map that lays a texture on the mesh as `placement` says.
+  TextureMap map_of(const Placement& placement, int width, int height) const {
+    const auto w = static_cast<float>(options_.supersampling * options_.width),
+               h = static_cast<float>(options_.supersampling * options_.height);
+    const glm::vec2 size(width, height), corner(placement.left, placement.bottom), cut(placement.cut ? 0.5f : 0.0f, 0);
+    return {cut, glm::mat2(w / size.x, 0, 0, h / size.y), (corner - cut * glm::vec2(w, h)) / size};
+  }
+
+  void add_field(fb::ObjectT& object, AxisMask axes, int width, int height, const std::vector<Placement>& placements) {
+    PlayedField truth{shape_of(axes), width, height, placements, {}};
     auto field = std::make_unique<fb::FieldT>();
-    field->layer = layer;
+    field->layer = "layer" + std::to_string(axes);
     field->axes = axes;
+    field->texture_width = static_cast<uint32_t>(width);
+    field->texture_height = static_cast<uint32_t>(height);
+    for (const Placement& placement : placements) add_map(*field, map_of(placement, width, height));
+    for (int block = 0; placements.size() > 1 && block < truth.shape.block_count(); ++block)
+      field->block_maps.push_back(static_cast<uint16_t>(static_cast<size_t>(block) % placements.size()));
     for (size_t a = 0; a < 2; ++a) {
       field->block_size.push_back(truth.shape.block_size[a]);
       field->stagger.push_back(truth.shape.stagger[a]);
@@ -142,7 +182,7 @@ class PlayedImage {
     field->level_steps = {64, 64, 64, 64, 64, 64, 64, 64, 64};
     std::vector<std::byte> coded;
     for (int node = 0; node < truth.shape.node_count(); ++node) {
-      const NodeCode code = encode(truth.shape, node, layer);
+      const NodeCode code = encode(truth, node);
       for (const uint8_t byte : code.bytes) coded.push_back(static_cast<std::byte>(byte));
       field->node_bytes.push_back(static_cast<uint32_t>(code.bytes.size()));
       field->node_units.push_back(static_cast<uint32_t>(code.units));
@@ -150,19 +190,19 @@ class PlayedImage {
     }
     field->nodes = image_.add(fb::SectionKind::nodes, std::move(coded));
     field->contexts = image_.add(fb::SectionKind::contexts, {});
-    objects_.back().fields.push_back(std::move(truth));
-    return field;
+    fields_.push_back(std::move(truth));
+    object.fields.push_back(std::move(field));
   }
 
   // Some smooth pattern that differs from node to node; coarse levels are bright, finer ones signed.
-  NodeCode encode(const FieldShape& shape, int node, const std::string& layer) {
-    if (shape.samples_of(node).last[0] < 0 || node % 11 == 5) return {};
-    const int level = shape.level_of(node), w = objects_.back().width, h = objects_.back().height;
+  NodeCode encode(const PlayedField& field, int node) {
+    if (field.shape.samples_of(node).last[0] < 0 || node % 11 == 5) return {};
+    const int level = field.shape.level_of(node), w = field.width, h = field.height;
     std::vector<int16_t> planes(3 * static_cast<size_t>(w * h));
     for (int p = 0; p < 3; ++p)
       for (int y = 0; y < h; ++y)
         for (int x = 0; x < w; ++x) {
-          const double phase = 0.7 * node + 0.11 * x * (p + 1) + 0.17 * y + static_cast<double>(layer.size());
+          const double phase = 0.7 * node + 0.11 * x * (p + 1) + 0.17 * y;
           const double base = level == 0 && p == 0 ? 400 : 0;
           planes[static_cast<size_t>((p * h + y) * w + x)] = static_cast<int16_t>(base + 120 / (level + 1) * std::sin(phase));
         }
@@ -175,8 +215,8 @@ class PlayedImage {
     return encoder_.encode(task);
   }
 
-  void add_leaf(const PlayedObject& o, const PlayedField& field, const Corner& corner, std::vector<float>& sum) const {
-    const size_t texels = static_cast<size_t>(o.width * o.height);
+  void add_leaf(const PlayedField& field, const Corner& corner, std::vector<float>& sum) const {
+    const size_t texels = static_cast<size_t>(field.width * field.height);
     std::vector<int> codes(3 * texels);
     for (int level = 0; level < 3; ++level) {
       const auto& planes = field.planes[static_cast<size_t>(field.shape.node_of(corner.index, level))];
@@ -194,7 +234,7 @@ class PlayedImage {
 
   PlayedImageOptions options_;
   TestImage image_;
-  std::vector<PlayedObject> objects_;
+  std::vector<PlayedField> fields_;
   std::unique_ptr<AlignedBytes> file_;
   NodeEncoder encoder_;
 };

@@ -34,12 +34,20 @@ nlohmann::json object_json(const ImageView& image, const fb::Object& object) {
       for (int axis = 0; axis < shape.space.axis_count; ++axis) cell += fmt::format("{}{}", axis ? "x" : "", shape.pyramid.cell[level][axis]);
       cells.push_back(cell.empty() ? "1" : cell);
     }
-    layers.push_back({{"name", field->layer()->str()}, {"bytes", field_bytes(image, *field)}, {"samples", shape.space.sample_count()},
-                      {"blocks", shape.block_count()}, {"levels", cells}});
+    layers.push_back({{"name", field->layer()->str()},
+                      {"texture", {field->texture_width(), field->texture_height()}},
+                      {"maps", field->maps()->size() / kTextureMapValues},
+                      {"bytes", field_bytes(image, *field)},
+                      {"samples", shape.space.sample_count()},
+                      {"blocks", shape.block_count()},
+                      {"levels", cells}});
     bytes += field_bytes(image, *field);
   }
-  return {{"name", object.name()->str()}, {"representation", fb::EnumNameRepresentation(object.representation())}, {"layers", layers},
-          {"bytes", bytes}, {"texture", {object.texture_width(), object.texture_height()}}, {"triangles", object.index_count() / 3}};
+  return {{"name", object.name()->str()},
+          {"representation", fb::EnumNameRepresentation(object.representation())},
+          {"layers", layers},
+          {"bytes", bytes},
+          {"triangles", object.index_count() / 3}};
 }
 
 nlohmann::json image_json(const ImageView& image) {
@@ -49,24 +57,37 @@ nlohmann::json image_json(const ImageView& image) {
     axes.push_back({{"name", axis->name()->str()}, {"kind", kind_name(axis->kind())}, {"samples", axis->samples()}, {"max_speed", axis->max_speed()}});
   for (const fb::Object* object : *directory.objects()) objects.push_back(object_json(image, *object));
   const fb::Plan& plan = *directory.plan();
-  return {{"version", image.version()}, {"bytes", image.file_bytes()}, {"resolution", {directory.width(), directory.height()}},
-          {"supersampling", directory.supersampling()}, {"interpolate", directory.interpolate()}, {"axes", axes}, {"objects", objects},
-          {"plan", {{"units_budget", plan.units_budget()}, {"units_worst", plan.units_worst()}, {"upload_worst", plan.upload_worst()},
-                    {"cache_bytes", plan.cache_bytes()}, {"settle_frames", plan.settle_frames()}, {"horizon_frames", plan.horizon_frames()}}}};
+  return {{"version", image.version()},
+          {"bytes", image.file_bytes()},
+          {"resolution", {directory.width(), directory.height()}},
+          {"supersampling", directory.supersampling()},
+          {"filter", fb::EnumNameSurfaceFilter(directory.filter())},
+          {"interpolate", directory.interpolate()},
+          {"axes", axes},
+          {"objects", objects},
+          {"plan",
+           {{"units_budget", plan.units_budget()},
+            {"units_worst", plan.units_worst()},
+            {"upload_worst", plan.upload_worst()},
+            {"cache_bytes", plan.cache_bytes()},
+            {"settle_frames", plan.settle_frames()},
+            {"horizon_frames", plan.horizon_frames()}}}};
 }
 
 void print_text(const nlohmann::json& report) {
-  fmt::print("version {}, {} bytes, {} x {} pixels\n", report["version"].get<int>(), report["bytes"].get<uint64_t>(),
-             report["resolution"][0].get<int>(), report["resolution"][1].get<int>());
+  fmt::print("version {}, {} bytes, {} x {} pixels, {} filter\n", report["version"].get<int>(), report["bytes"].get<uint64_t>(),
+             report["resolution"][0].get<int>(), report["resolution"][1].get<int>(), report["filter"].get<std::string>());
   for (const auto& axis : report["axes"])
     fmt::print("axis    {:16} {:9} {:4} samples, {} a frame at most\n", axis["name"].get<std::string>(), axis["kind"].get<std::string>(),
                axis["samples"].get<int>(), axis["max_speed"].get<double>());
   for (const auto& object : report["objects"]) {
-    fmt::print("object  {:16} {:9} {:6} triangles, {} x {} texels, {} bytes\n", object["name"].get<std::string>(), object["representation"].get<std::string>(),
-               object["triangles"].get<int>(), object["texture"][0].get<int>(), object["texture"][1].get<int>(), object["bytes"].get<uint64_t>());
+    fmt::print("object  {:16} {:9} {:6} triangles, {} bytes\n", object["name"].get<std::string>(),
+               object["representation"].get<std::string>(), object["triangles"].get<int>(), object["bytes"].get<uint64_t>());
     for (const auto& layer : object["layers"])
-      fmt::print("  layer {:16} {} samples in {} blocks, levels {}, {} bytes\n", layer["name"].get<std::string>(), layer["samples"].get<int>(),
-                 layer["blocks"].get<int>(), layer["levels"].dump(), layer["bytes"].get<uint64_t>());
+      fmt::print("  layer {:16} {} x {} texels by {} maps, {} samples in {} blocks, levels {}, {} bytes\n",
+                 layer["name"].get<std::string>(), layer["texture"][0].get<int>(), layer["texture"][1].get<int>(),
+                 layer["maps"].get<int>(), layer["samples"].get<int>(), layer["blocks"].get<int>(), layer["levels"].dump(),
+                 layer["bytes"].get<uint64_t>());
   }
   const auto& plan = report["plan"];
   fmt::print("plan    {} units a frame of {}, cache {} bytes, upload {} bytes a frame, horizon {} frames, settles in {} frames\n",

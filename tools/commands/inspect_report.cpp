@@ -44,8 +44,11 @@ void add_row(std::string& html, const std::string& what, uint64_t bytes, uint64_
 
 void write_inspect_report(const std::filesystem::path& file, const std::string& image_name, const ImageView& image, const nlohmann::json& summary) {
   std::string html = fmt::format("<!doctype html><meta charset=utf-8><title>{0}</title><style>{1}</style><h1>{0}</h1>\n", escaped(image_name), kStyle);
-  html += fmt::format("<p>Version {}, {} bytes, {} x {} pixels.</p><h2>Axes</h2><table><tr><th>axis<th>kind<th>samples<th>samples a frame at most</tr>\n",
-                      image.version(), image.file_bytes(), image.directory().width(), image.directory().height());
+  html += fmt::format(
+      "<p>Version {}, {} bytes, {} x {} pixels, {} filter.</p><h2>Axes</h2><table><tr><th>axis<th>kind<th>samples<th>samples a "
+      "frame at most</tr>\n",
+      image.version(), image.file_bytes(), image.directory().width(), image.directory().height(),
+      summary["filter"].get<std::string>());
   for (const auto& axis : summary["axes"])
     html += fmt::format("<tr><td>{}<td>{}<td class=n>{}<td class=n>{}</tr>\n", escaped(axis["name"].get<std::string>()), axis["kind"].get<std::string>(),
                         axis["samples"].get<int>(), axis["max_speed"].get<double>());

@@ -145,7 +145,8 @@ void VerifyCommand::run() const {
     fmt::print(stderr, "vitrine: warning: {}: {} has changed since it was compiled: the figures compare it with what the scene shows now\n", image, scene);
 
   const Store store(work.empty() ? default_work_folder(image) : std::filesystem::path(work));
-  const auto inference = find_inference(*loaded, store, static_cast<int>(opened.value().directory().supersampling()), *progress);
+  const auto inference = find_inference(*loaded, store, static_cast<int>(opened.value().directory().supersampling()),
+                                        opened.value().filter(), *progress);
   const Verification verification = verify_image(opened.value(), *loaded, store, inference ? &*inference : nullptr, {.at = at, .between = between, .off = off}, *progress);
   if (!common.quiet) warn_of_noise(verification);
   if (!sheet.empty()) write_contact_sheet(sheet, verification.comparisons);
