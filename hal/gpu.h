@@ -19,6 +19,7 @@ namespace vitrine::hal {
 
 enum class TextureFormat : uint8_t { kRgba8, kRgba16f, kRgba32f };
 enum class TextureFilter : uint8_t { kNearest, kBilinear, kTrilinear };  // trilinear: linear in and between MIP levels
+enum class TextureWrap : uint8_t { kClampToEdge, kRepeat };              // beyond 0..1
 enum class Cull : uint8_t { kNone, kBack, kFront };                      // front faces wind counter-clockwise
 
 int bytes_per_texel(TextureFormat format);
@@ -41,7 +42,8 @@ struct TextureDesc {
   int width = 0, height = 0;  // texels of level 0; level l has max(1, floor(w / 2^l)) x max(1, floor(h / 2^l))
   int levels = 1;             // 1..full chain
   TextureFormat format = TextureFormat::kRgba8;
-  TextureFilter filter = TextureFilter::kBilinear;  // clamp to edge
+  TextureFilter filter = TextureFilter::kBilinear;
+  TextureWrap wrap_u = TextureWrap::kClampToEdge, wrap_v = TextureWrap::kClampToEdge;
 };
 
 struct VertexAttribute {

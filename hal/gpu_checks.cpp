@@ -59,6 +59,7 @@ Status check_texture(const TextureDesc& desc, int max_texture_size) {
     return impossible("texture level count is not within the full chain");
   if (!bytes_per_texel(desc.format)) return impossible("unknown texture format");
   if (desc.filter > TextureFilter::kTrilinear) return impossible("unknown texture filter");
+  if (desc.wrap_u > TextureWrap::kRepeat || desc.wrap_v > TextureWrap::kRepeat) return impossible("unknown texture wrap");
   return {};
 }
 
@@ -66,7 +67,8 @@ Status check_mesh(const MeshDesc& desc) {
   if (desc.stride < 4 || desc.stride > kMaxStride || desc.stride % 4)
     return impossible("vertex stride is not a multiple of 4 in 4..252");
   const size_t stride = static_cast<size_t>(desc.stride);
-  if (desc.vertices.empty() || desc.vertices.size() % stride) return impossible("vertex bytes are not a whole number of vertices");
+  if (desc.vertices.empty() || desc.vertices.size() % stride)
+    return impossible("vertex bytes are not a whole number of vertices");
   if (desc.indices.empty() || desc.indices.size() % 3) return impossible("indices do not make whole triangles");
   if (desc.indices.size() > static_cast<size_t>(std::numeric_limits<int>::max())) return impossible("too many indices");
   if (Status status = check_attributes(desc); !status.ok()) return status;
@@ -75,7 +77,8 @@ Status check_mesh(const MeshDesc& desc) {
 }
 
 Status check_program(const ProgramDesc& desc) {
-  if (!desc.vertex || !desc.fragment || !desc.fragment_library) return impossible("a program needs a vertex and a fragment shader");
+  if (!desc.vertex || !desc.fragment || !desc.fragment_library)
+    return impossible("a program needs a vertex and a fragment shader");
   if (desc.samplers.size() > kMaxSamplers) return impossible("more than 8 samplers");
   for (const char* name : desc.samplers)
     if (!name || !*name) return impossible("a sampler has no name");

@@ -31,6 +31,8 @@ Transfer transfer_of(TextureFormat format) {
   return {GL_RGBA8, GL_UNSIGNED_BYTE};
 }
 
+GLint wrap_of(TextureWrap wrap) { return wrap == TextureWrap::kRepeat ? GL_REPEAT : GL_CLAMP_TO_EDGE; }
+
 Status device(const char* detail) { return {StatusCode::kDevice, detail}; }
 constexpr char kNotCurrent[] = "the GL context cannot be made current";
 
@@ -136,8 +138,8 @@ Status GlGpu::do_create_texture(TextureSlot& slot) {
   const GLint minify = desc.filter == TextureFilter::kTrilinear ? GL_LINEAR_MIPMAP_LINEAR : nearest ? GL_NEAREST : GL_LINEAR;
   gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, minify);
   gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, nearest ? GL_NEAREST : GL_LINEAR);
-  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, GL_CLAMP_TO_EDGE);
-  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, GL_CLAMP_TO_EDGE);
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wrap_of(desc.wrap_u));
+  gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wrap_of(desc.wrap_v));
   gl_.TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAX_LEVEL, desc.levels - 1);
   Status status = failure("the GL driver refuses a texture");
   if (!status.ok()) do_destroy_texture(slot);

@@ -211,7 +211,7 @@ class Measurement {
   }
 
   // Of a rendering in which every object has its textures' sizes and maps.
-  MatrixCosts measure_costs(const Place& at, SurfaceFilter filter, const Inference& inference) const {
+  std::vector<MatrixCost> measure_costs(const Place& at, SurfaceFilter filter, const Inference& inference) const {
     std::vector<TextureSize> sizes;
     GeometryState state = state_at(at, inference.objects);
     for (size_t i = 0; i < inference.objects.size(); ++i) {

@@ -60,7 +60,7 @@ struct InferenceQuality {
   std::vector<ObjectPictures> objects;
   struct Matrix {
     SurfaceFilter filter;
-    MatrixCosts costs;
+    std::vector<MatrixCost> costs;  // a method each
   };
   std::vector<Matrix> matrices;
 };

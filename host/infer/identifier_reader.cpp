@@ -91,8 +91,7 @@ std::vector<hal::Texture> create_identifier_textures(TestRenderer& renderer, std
 // One tap of one state while its renderings come in.
 struct IdentifierReader::Tap {
   std::vector<glm::vec4> identifiers, weights;
-  std::vector<uint8_t> counts;  // entries so far
-  std::vector<std::array<MatrixEntry, kMaxTapEntries>> entries;
+  TapRows rows;
   unsigned residues = 0;
 };
 
@@ -131,8 +130,7 @@ void IdentifierReader::release_pattern(int rendering) {
 void IdentifierReader::render_identifiers(const GeometryState& state, int number, Tap& tap) {
   const size_t size = static_cast<size_t>(renderer_->width()) * static_cast<size_t>(renderer_->height());
   tap.identifiers.resize(size);
-  tap.counts.assign(size, 0);
-  tap.entries.resize(size);
+  tap.rows.reset(size);
   tap.residues = 0;
   renderer_->render_tap(state, identifiers_, number, tap.identifiers);
   ++renderings_;
@@ -147,27 +145,18 @@ void IdentifierReader::collect(int rendering, Tap& tap) const {
       const glm::vec4& weights = tap.weights[s];
       for (int channel = 0; channel < kPeriod; ++channel) {
         if (!(weights[channel] > kSmallestWeight)) continue;
-        const uint8_t count = tap.counts[s]++;
-        if (count >= kMaxTapEntries) continue;  // reported by assemble
         const glm::vec4& identifier = tap.identifiers[s];
         const Pyramid& pyramid = pyramids_[static_cast<size_t>(object_of(identifier))];
-        tap.entries[s][count] = {texel_of(pyramid, identifier, rendering, channel), weights[channel]};
+        tap.rows.add(s, texel_of(pyramid, identifier, rendering, channel), weights[channel]);
       }
     }
   });
 }
 
 StateMatrix IdentifierReader::assemble(std::span<const Tap> taps) const {
-  const float share = 1.0f / static_cast<float>(taps.size());
-  return assemble_matrix(taps[0].identifiers, renderer_->width(), renderer_->height(), renderer_->supersampling(),
-                         pyramids_.size(), static_cast<int>(taps.size()), [&](size_t sample, SampleRow& row) {
-                           for (const Tap& tap : taps) {
-                             const size_t count = tap.counts[sample];
-                             for (size_t i = 0; i < std::min(count, kMaxTapEntries); ++i)
-                               row.add(tap.entries[sample][i].texel, share * tap.entries[sample][i].weight);
-                             if (count > kMaxTapEntries) row.count += kMaxEntries;
-                           }
-                         });
+  std::vector<const TapRows*> rows;
+  for (const Tap& tap : taps) rows.push_back(&tap.rows);
+  return assemble_taps(*renderer_, taps[0].identifiers, pyramids_.size(), rows);
 }
 
 std::vector<StateMatrix> IdentifierReader::read(std::span<const GeometryState* const> states) {

@@ -9,6 +9,7 @@
 
 #include "host/base/error.h"
 #include "host/infer/coordinate_reader.h"
+#include "host/infer/eight_bit_reader.h"
 #include "host/infer/identifier_reader.h"
 #include "host/infer/matrix_assembly.h"
 
@@ -106,6 +107,27 @@ StateMatrix assemble_matrix(std::span<const glm::vec4> identifiers, int width, i
   return matrix;
 }
 
+void TapRows::reset(size_t samples) {
+  counts_.assign(samples, 0);
+  entries_.resize(samples);
+}
+
+void TapRows::add_to(SampleRow& row, size_t sample, float share) const {
+  const size_t count = counts_[sample];
+  for (size_t i = 0; i < std::min(count, kMaxTapEntries); ++i)
+    row.add(entries_[sample][i].texel, share * entries_[sample][i].weight);
+  if (count > kMaxTapEntries) row.count += kMaxEntries;
+}
+
+StateMatrix assemble_taps(const TestRenderer& renderer, std::span<const glm::vec4> identifiers, size_t object_count,
+                          std::span<const TapRows* const> taps) {
+  const float share = 1.0f / static_cast<float>(taps.size());
+  return assemble_matrix(identifiers, renderer.width(), renderer.height(), renderer.supersampling(), object_count,
+                         static_cast<int>(taps.size()), [&](size_t sample, SampleRow& row) {
+                           for (const TapRows* tap : taps) tap->add_to(row, sample, share);
+                         });
+}
+
 namespace {
 
 float row_difference(std::span<const MatrixEntry> a, std::span<const MatrixEntry> b) {
@@ -139,6 +161,7 @@ float largest_difference(const StateMatrix& a, const StateMatrix& b) {
 
 std::unique_ptr<MatrixReader> make_matrix_reader(TestRenderer& renderer, std::span<const TextureSize> sizes,
                                                  const GeometryState& state) {
+  if (renderer.format() == hal::TextureFormat::kRgba8) return std::make_unique<EightBitReader>(renderer, sizes);
   const GeometryState* const states[] = {&state};
   auto identifiers = std::make_unique<IdentifierReader>(renderer, sizes);
   auto coordinates = std::make_unique<CoordinateReader>(renderer, sizes);

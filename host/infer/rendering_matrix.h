@@ -2,8 +2,10 @@
 //
 // The rendering matrix A (Hakura 2001, section 3.4): which texels the device mixes, and how, where a supersample shows an object.
 // It is read off test renderings of all objects of a geometry state at once (the depth buffer says which object a supersample
-// shows), in one of two ways: by texel identifiers, which trusts no formula (identifier_reader.h), and by coordinates, from one
-// rendering a tap and the formula of GL's filters (coordinate_reader.h). The second is taken where a device is seen to follow it.
+// shows), in one of four ways:
+//   by coordinates     one rendering a tap and the formula of GL's filters, where a device is seen to follow it
+//   by identifiers     of texels, which trusts no formula, in floats (identifier_reader.h) or in 8 bits (eight_bit_reader.h)
+//   by bounding boxes  of blocks of texels, slow, which knows nothing of filters and checks the others (bounding_box_reader.h)
 #pragma once
 
 #include <cstdint>
@@ -42,14 +44,14 @@ class MatrixReader {
   // Throws InputError where the device mixes more texels than its filter says or weights do not sum to 1 within 1e-4.
   virtual std::vector<StateMatrix> read(std::span<const GeometryState* const> states) = 0;
   virtual int64_t renderings() const = 0;  // so far
-  virtual const char* method() const = 0;  // "identifiers", "coordinates"
+  virtual const char* method() const = 0;  // "identifiers", "coordinates", "eight_bit", "bounding_boxes"
 };
 
 // The largest difference of two weights of the same texel and sample; infinite where samples or objects differ.
 float largest_difference(const StateMatrix& a, const StateMatrix& b);
 
-// The fastest reader that is right on this device: by coordinates where they give what identifiers give in `state`. `sizes`: of
-// the texture that each object is drawn with.
+// The fastest reader that is right on this device: the 8-bit one where `renderer` draws 8-bit pictures, else by coordinates where
+// they give what identifiers give in `state`. `sizes`: of the texture that each object is drawn with.
 std::unique_ptr<MatrixReader> make_matrix_reader(TestRenderer& renderer, std::span<const TextureSize> sizes,
                                                  const GeometryState& state);
 

@@ -41,6 +41,17 @@ T checked(Result<T> result) {
 hal::Texture create_pyramid_texture(hal::Gpu& gpu, SceneDrawer& drawer, const Pyramid& pyramid, hal::TextureFormat format,
                                     std::span<const std::byte> texels) {
   const hal::Texture texture = checked(drawer.create_texture(pyramid.width(), pyramid.height(), format));
+  update_pyramid_texture(gpu, texture, pyramid, format, texels);
+  return texture;
+}
+
+hal::Texture create_pyramid_texture(hal::Gpu& gpu, const Pyramid& pyramid, hal::TextureFormat format, const TextureWraps& wraps) {
+  return checked(gpu.create_texture({pyramid.width(), pyramid.height(), static_cast<int>(pyramid.levels().size()), format,
+                                     hal::TextureFilter::kTrilinear, wraps.u, wraps.v}));
+}
+
+void update_pyramid_texture(hal::Gpu& gpu, hal::Texture texture, const Pyramid& pyramid, hal::TextureFormat format,
+                            std::span<const std::byte> texels) {
   const auto texel_bytes = static_cast<size_t>(hal::bytes_per_texel(format));
   int number = 0;
   for (const Pyramid::Level& level : pyramid.levels()) {
@@ -48,14 +59,15 @@ hal::Texture create_pyramid_texture(hal::Gpu& gpu, SceneDrawer& drawer, const Py
     check(gpu.update_texture(texture, number++, 0, 0, level.width, level.height,
                              texels.subspan(level.offset * texel_bytes, bytes)));
   }
-  return texture;
 }
 
-TestRenderer::TestRenderer(hal::Gpu& gpu, const InferenceOptions& options, std::span<const DrawnObject> objects) : gpu_(&gpu) {
-  if (!gpu.info().float_targets)
+TestRenderer::TestRenderer(hal::Gpu& gpu, const InferenceOptions& options, std::span<const DrawnObject> objects,
+                           hal::TextureFormat format)
+    : gpu_(&gpu) {
+  if (format == hal::TextureFormat::kRgba32f && !gpu.info().float_targets)
     throw InputError("graphics device", "it cannot render to floats", "compile on one that can (OSMesa does)");
-  drawer_ = checked(SceneDrawer::create(gpu, {options.width, options.height, options.supersampling, hal::TextureFormat::kRgba32f,
-                                              options.filter, static_cast<int>(std::size(kLayers))}));
+  drawer_ = checked(SceneDrawer::create(
+      gpu, {options.width, options.height, options.supersampling, format, options.filter, static_cast<int>(std::size(kLayers))}));
   one_tap_ = checked(drawer_.create_program(kOneTap));
   coordinates_ = checked(drawer_.create_program(kCoordinates));
   for (const DrawnObject& object : objects) {
@@ -86,9 +98,15 @@ void TestRenderer::render_with(hal::Program program, int tap, const GeometryStat
   read_back(pixels);
 }
 
+// Bytes are read as bytes and converted here: a device gives numbers of another kind than its target's slowly, if at all.
 void TestRenderer::read_back(std::span<glm::vec4> pixels) {
   check(drawer_.end());
-  check(gpu_->read_pixels(drawer_.supersampled(), hal::TextureFormat::kRgba32f, std::as_writable_bytes(pixels)));
+  if (format() != hal::TextureFormat::kRgba8)
+    return check(gpu_->read_pixels(drawer_.supersampled(), hal::TextureFormat::kRgba32f, std::as_writable_bytes(pixels)));
+  bytes_.resize(4 * pixels.size());
+  check(gpu_->read_pixels(drawer_.supersampled(), hal::TextureFormat::kRgba8, std::as_writable_bytes(std::span(bytes_))));
+  for (size_t i = 0; i < pixels.size(); ++i)
+    pixels[i] = glm::vec4(bytes_[4 * i], bytes_[4 * i + 1], bytes_[4 * i + 2], bytes_[4 * i + 3]) / 255.0f;
 }
 
 void TestRenderer::render_surfaces(const GeometryState& state, std::span<const std::vector<SurfaceTexture>> surfaces,

@@ -28,16 +28,27 @@ struct GeometryState {
 hal::Texture create_pyramid_texture(hal::Gpu& gpu, SceneDrawer& drawer, const Pyramid& pyramid, hal::TextureFormat format,
                                     std::span<const std::byte> texels);
 
+// What lies beyond the borders of a texture.
+struct TextureWraps {
+  hal::TextureWrap u = hal::TextureWrap::kClampToEdge, v = hal::TextureWrap::kClampToEdge;
+};
+// The same texture with borders of one's own, its texels undefined; and all its texels.
+hal::Texture create_pyramid_texture(hal::Gpu& gpu, const Pyramid& pyramid, hal::TextureFormat format, const TextureWraps& wraps);
+void update_pyramid_texture(hal::Gpu& gpu, hal::Texture texture, const Pyramid& pyramid, hal::TextureFormat format,
+                            std::span<const std::byte> texels);
+
 class TestRenderer {
  public:
-  // `options`: picture size and supersampling. Throws InputError where the device refuses.
-  TestRenderer(hal::Gpu& gpu, const InferenceOptions& options, std::span<const DrawnObject> objects);
+  // `options`: picture size and supersampling. `format`: of the target; kRgba8 for devices that cannot render to floats. Throws
+  // InputError where the device refuses.
+  TestRenderer(hal::Gpu& gpu, const InferenceOptions& options, std::span<const DrawnObject> objects,
+               hal::TextureFormat format = hal::TextureFormat::kRgba32f);
   ~TestRenderer();
   TestRenderer(const TestRenderer&) = delete;
   TestRenderer& operator=(const TestRenderer&) = delete;
 
   // textures[i] for object i; id 0: the object is not drawn. `pixels`: width() * height(), rows bottom first; 0 where
-  // nothing is.
+  // nothing is; multiples of 1/255 where format() is kRgba8.
   void render(const GeometryState& state, std::span<const hal::Texture> textures, std::span<glm::vec4> pixels);
   // The same with the sum of several textures an object.
   void render_surfaces(const GeometryState& state, std::span<const std::vector<SurfaceTexture>> surfaces,
@@ -47,6 +58,7 @@ class TestRenderer {
   // Where it reads: texture coordinates, and the third and fourth channel of what it reads there.
   void render_coordinates(const GeometryState& state, std::span<const hal::Texture> textures, int tap,
                           std::span<glm::vec4> pixels);
+  hal::TextureFormat format() const { return drawer_.desc().target_format; }
   int taps() const { return tap_count(drawer_.desc().filter); }
   int supersampling() const { return drawer_.desc().supersampling; }
   int width() const { return drawer_.supersampled_width(); }  // in supersamples
@@ -63,6 +75,7 @@ class TestRenderer {
   SceneDrawer drawer_;
   hal::Program one_tap_, coordinates_;
   std::vector<DrawMesh> meshes_;
+  std::vector<uint8_t> bytes_;  // of an 8-bit picture
 };
 
 }  // namespace vitrine

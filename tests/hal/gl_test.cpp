@@ -97,6 +97,24 @@ TEST_F(GlTest, TrilinearFetchMatchesTheFormulaOfTheSpecification) {
       }
 }
 
+TEST_F(GlTest, ATextureRepeatsAlongTheDimensionsThatItWraps) {
+  const Target target = float_target(1, 1);
+  const Program fetch = program(kCover, kFetch, true);
+  const std::array<uint8_t, 16> corners{10, 0, 0, 0, 20, 0, 0, 0,
+                                        30, 0, 0, 0, 40, 0, 0, 0};  // red at (0, 0), (1, 0), (0, 1), (1, 1)
+  const auto red_beyond_the_corner = [&](TextureWrap u, TextureWrap v) {
+    const Texture texture = gpu->create_texture({2, 2, 1, TextureFormat::kRgba8, TextureFilter::kBilinear, u, v}).value();
+    EXPECT_TRUE(gpu->update_texture(texture, 0, 0, 0, 2, 2, std::as_bytes(std::span(corners))).ok());
+    const std::array<float, 4> where{1.25f, 1.25f, 0, 0};
+    draw({.program = fetch, .textures = {&texture, 1}, .uniforms = where}, target);
+    return std::lround(255 * read(target, 1, 1)[0]);
+  };
+  EXPECT_EQ(red_beyond_the_corner(TextureWrap::kClampToEdge, TextureWrap::kClampToEdge), 40);
+  EXPECT_EQ(red_beyond_the_corner(TextureWrap::kRepeat, TextureWrap::kClampToEdge), 30);
+  EXPECT_EQ(red_beyond_the_corner(TextureWrap::kClampToEdge, TextureWrap::kRepeat), 20);
+  EXPECT_EQ(red_beyond_the_corner(TextureWrap::kRepeat, TextureWrap::kRepeat), 10);
+}
+
 TEST_F(GlTest, UpdateChangesItsRectangleOnly) {
   const Texture texture = gpu->create_texture({4, 4, 1, TextureFormat::kRgba8, TextureFilter::kNearest}).value();
   std::vector<uint8_t> all(64, 10), part(4 * 2, 200);

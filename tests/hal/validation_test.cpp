@@ -27,7 +27,8 @@ class EveryDevice : public ::testing::TestWithParam<bool> {
     gpu = GetParam() ? create_null_gpu(8, 8) : std::move(create_osmesa_gpu(8, 8).value());
     texture = gpu->create_texture({4, 2, 2, TextureFormat::kRgba8, TextureFilter::kTrilinear}).value();
     mesh = gpu->create_mesh(good_mesh()).value();
-    program = gpu->create_program({.vertex = kVertex, .fragment = kFragment, .samplers = kTextureName, .uniform_count = 2}).value();
+    program =
+        gpu->create_program({.vertex = kVertex, .fragment = kFragment, .samplers = kTextureName, .uniform_count = 2}).value();
     target = gpu->create_target({4, 4, TextureFormat::kRgba8, true}).value();
   }
   MeshDesc good_mesh() const { return {std::as_bytes(std::span(corners)), 12, kPosition, order}; }
@@ -60,6 +61,8 @@ TEST_P(EveryDevice, RefusesTexturesThatMakeNoSense) {
   EXPECT_TRUE(refused({std::numeric_limits<int>::max(), 1, 1}));
   EXPECT_TRUE(refused({4, 4, 1, static_cast<TextureFormat>(9)}));
   EXPECT_TRUE(refused({4, 4, 1, TextureFormat::kRgba8, static_cast<TextureFilter>(9)}));
+  EXPECT_TRUE(refused({.width = 4, .height = 4, .wrap_u = static_cast<TextureWrap>(9)}));
+  EXPECT_TRUE(refused({.width = 4, .height = 4, .wrap_v = static_cast<TextureWrap>(9)}));
   EXPECT_FALSE(refused({4, 4, 3}));
 }
 
@@ -104,7 +107,8 @@ TEST_P(EveryDevice, RefusesIncompletePrograms) {
   const char* const nine[] = {"a", "b", "c", "d", "e", "f", "g", "h", "i"};
   EXPECT_FALSE(gpu->create_program({.vertex = kVertex}).ok());
   EXPECT_FALSE(gpu->create_program({.vertex = kVertex, .fragment = kFragment, .samplers = nine}).ok());
-  EXPECT_FALSE(gpu->create_program({.vertex = kVertex, .fragment = kFragment, .samplers = kTextureName, .uniform_count = 65}).ok());
+  EXPECT_FALSE(
+      gpu->create_program({.vertex = kVertex, .fragment = kFragment, .samplers = kTextureName, .uniform_count = 65}).ok());
 }
 
 TEST_P(EveryDevice, RefusesDrawsThatDoNotFitTheirProgramOrMesh) {

@@ -16,40 +16,18 @@
 namespace vitrine::testing {
 namespace {
 
-// A board that runs away from the eye (many levels meet) and, before it, a small upright card.
-struct BoardAndCard {
-  std::vector<DrawnObject> objects;
-  std::vector<TextureSize> sizes;
-};
-BoardAndCard board_and_card(int board_width, int board_height, int card_width, int card_height) {
-  DrawnObject board, card;
-  board.vertices = {{-2, -1, 1, 0, 0}, {2, -1, 1, 1, 0}, {2, -1, -14, 1, 1}, {-2, -1, -14, 0, 1}};
-  board.indices = {0, 1, 2, 0, 2, 3};
-  card.vertices = {{-0.5f, -0.9f, 0, 0, 0}, {0.6f, -0.8f, 0, 1, 0}, {0.5f, 0.4f, -0.4f, 0.9f, 1}};
-  card.indices = {0, 1, 2};
-  return {{board, card}, {{board_width, board_height}, {card_width, card_height}}};
-}
-
-GeometryState looking_down(float aspect, float height) {
-  const glm::mat4 clip = glm::perspective(0.9f, aspect, 0.1f, 50.0f) *
-                         glm::lookAt(glm::vec3(0.3f, height, 3), glm::vec3(0, -0.5f, 0), glm::vec3(0, 1, 0));
-  const TextureMap turned{{0, 0}, glm::mat2(0.9f, 0.2f, -0.25f, 0.8f), {0.1f, -0.02f}};
-  const TextureMap beyond{{0, 0}, glm::mat2(1.2f, 0, 0, 1), {-0.1f, 0}};  // the texture ends before the card does
-  return {{clip, clip}, {0, 0}, {turned, beyond}};
-}
-
 class RenderingMatrixTest : public ::testing::Test {
  protected:
   void SetUp() override {
     gpu = make_gpu();
     ASSERT_NE(gpu, nullptr);
   }
-  void read(BoardAndCard drawn, const InferenceOptions& o, size_t texture_bytes = size_t{1} << 30) {
+  void read(ShownObjects drawn, const InferenceOptions& o, size_t texture_bytes = size_t{1} << 30) {
+    state = looking_down(drawn, static_cast<float>(o.width) / static_cast<float>(o.height), eye_height);
     objects = std::move(drawn.objects);
     sizes = std::move(drawn.sizes);
     options = o;
     renderer = std::make_unique<TestRenderer>(*gpu, options, objects);
-    state = looking_down(static_cast<float>(o.width) / static_cast<float>(o.height), eye_height);
     const GeometryState* const states[] = {&state};
     matrix = IdentifierReader(*renderer, sizes, texture_bytes).read(states)[0];
     by_coordinates = CoordinateReader(*renderer, sizes).read(states)[0];

@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <cstdlib>
+#include <glm/gtc/matrix_transform.hpp>
 #include <glm/gtc/quaternion.hpp>
 #include <numbers>
 
@@ -114,6 +115,24 @@ std::unique_ptr<Scene> make_ball_on_board(const SceneShape& shape) {
   scene->axes.push_back({"lamp", {AxisKind::kDiscrete, shape.lamps}, 0.25f, {}});
   add_orbit(*scene);
   return scene;
+}
+
+ShownObjects board_and_card(int board_width, int board_height, int card_width, int card_height) {
+  DrawnObject board, card;
+  board.vertices = {{-2, -1, 1, 0, 0}, {2, -1, 1, 1, 0}, {2, -1, -14, 1, 1}, {-2, -1, -14, 0, 1}};
+  board.indices = {0, 1, 2, 0, 2, 3};
+  card.vertices = {{-0.5f, -0.9f, 0, 0, 0}, {0.6f, -0.8f, 0, 1, 0}, {0.5f, 0.4f, -0.4f, 0.9f, 1}};
+  card.indices = {0, 1, 2};
+  const TextureMap turned{{0, 0}, glm::mat2(0.9f, 0.2f, -0.25f, 0.8f), {0.1f, -0.02f}};
+  const TextureMap beyond{{0, 0}, glm::mat2(1.2f, 0, 0, 1), {-0.1f, 0}};  // the texture ends before the card does
+  return {{board, card}, {{board_width, board_height}, {card_width, card_height}}, {turned, beyond}};
+}
+
+GeometryState looking_down(const ShownObjects& shown, float aspect, float height) {
+  const glm::mat4 clip = glm::perspective(0.9f, aspect, 0.1f, 50.0f) *
+                         glm::lookAt(glm::vec3(0.3f, height, 3), glm::vec3(0, -0.5f, 0), glm::vec3(0, 1, 0));
+  const size_t count = shown.objects.size();
+  return {std::vector<glm::mat4>(count, clip), std::vector<uint8_t>(count, 0), shown.maps};
 }
 
 Truth smooth_truth() {

@@ -12,6 +12,7 @@
 #include "hal/backends.h"
 #include "host/frames/store.h"
 #include "host/infer/inference.h"
+#include "host/infer/test_renderer.h"
 #include "host/infer/verification.h"
 #include "host/scene/scene.h"
 
@@ -23,6 +24,16 @@ struct SceneShape {
   int views = 4, lamps = 2;
 };
 std::unique_ptr<Scene> make_ball_on_board(const SceneShape& shape = {});
+
+// Objects by themselves, with the textures that they are drawn with.
+struct ShownObjects {
+  std::vector<DrawnObject> objects;
+  std::vector<TextureSize> sizes;
+  std::vector<TextureMap> maps;
+};
+// A board that runs away from the eye (many levels meet) and, before it, a small upright card.
+ShownObjects board_and_card(int board_width, int board_height, int card_width, int card_height);
+GeometryState looking_down(const ShownObjects& shown, float aspect, float height);
 
 // Radiance of an object's surface at (u, v) of its whole texture domain.
 struct Truth {

@@ -19,7 +19,16 @@ namespace {
 constexpr SurfaceFilter kShownFilters[] = {SurfaceFilter::kTrilinear, SurfaceFilter::kAnisotropic4};
 constexpr int kSheetHeight = 240;  // of one picture on the sheet, about: smaller ones are magnified
 
-nlohmann::json json_of(const ReaderCost& cost) { return {{"renderings", cost.renderings}, {"milliseconds", cost.milliseconds}}; }
+nlohmann::json json_of(SurfaceFilter filter, const MatrixCost& cost) {
+  // JSON knows no infinity: readers that disagree about which samples show what.
+  return {{"filter", filter_name(filter)},
+          {"method", cost.method},
+          {"renderings", cost.renderings},
+          {"milliseconds", cost.milliseconds},
+          {"difference", std::isfinite(cost.difference) ? nlohmann::json(cost.difference) : nlohmann::json()},
+          {"rendering_difference", cost.rendering_difference},
+          {"row_sum_error", cost.row_sum_error}};
+}
 
 nlohmann::json json_of(const InferenceQuality& quality) {
   nlohmann::json rows = nlohmann::json::array(), matrices = nlohmann::json::array(), noise = nlohmann::json::object();
@@ -29,14 +38,8 @@ nlohmann::json json_of(const InferenceQuality& quality) {
                     {"where", r.where},
                     {"object", r.object},
                     {"psnr_db", r.psnr_db}});
-  for (const auto& m : quality.matrices) {
-    // JSON knows no infinity: readers that disagree about which samples show what.
-    const float difference = m.costs.largest_difference;
-    matrices.push_back({{"filter", filter_name(m.filter)},
-                        {"identifiers", json_of(m.costs.identifiers)},
-                        {"coordinates", json_of(m.costs.coordinates)},
-                        {"largest_difference", std::isfinite(difference) ? nlohmann::json(difference) : nlohmann::json()}});
-  }
+  for (const auto& [filter, costs] : quality.matrices)
+    for (const MatrixCost& cost : costs) matrices.push_back(json_of(filter, cost));
   for (const ObjectPictures& o : quality.objects) noise[o.object] = o.noise_db;
   return {{"bench", "inference"}, {"rows", rows}, {"matrices", matrices}, {"noise_db", noise}};
 }
@@ -59,13 +62,14 @@ void print_object(const InferenceQuality& quality, const ObjectPictures& object)
 }
 
 void print_matrices(const InferenceQuality& quality) {
-  fmt::print("rendering matrices of a view\n");
+  fmt::print("rendering matrices A of a view; the largest differences\n  {:<14} {:<10} {:>10} {:>9} {:>16} {:>16} {:>11}",
+             "read by", "filter", "renderings", "ms", "from identifiers", "A x - rendering", "row sum - 1");
   for (const auto& [filter, costs] : quality.matrices)
-    fmt::print(
-        "  {:<10} by identifiers {:3} renderings {:7.1f} ms, by coordinates {:3} renderings {:7.1f} ms, largest difference "
-        "{:.1e}\n",
-        filter_name(filter), costs.identifiers.renderings, costs.identifiers.milliseconds, costs.coordinates.renderings,
-        costs.coordinates.milliseconds, static_cast<double>(costs.largest_difference));
+    for (const MatrixCost& cost : costs)
+      fmt::print("\n  {:<14} {:<10} {:>10} {:>9.1f} {:>16.1e} {:>16.1e} {:>11.1e}", cost.method, filter_name(filter),
+                 cost.renderings, cost.milliseconds, static_cast<double>(cost.difference),
+                 static_cast<double>(cost.rendering_difference), static_cast<double>(cost.row_sum_error));
+  fmt::print("\n");
 }
 
 Picture padded(const Picture& picture, int width, int height) {
