@@ -78,7 +78,7 @@ int64_t field_sample_of(const ParameterSpace& space, AxisMask axes, int64_t grid
 }
 
 std::vector<SolveGroup> make_groups(const ParameterSpace& space, AxisMask axes, const StateTable& states, int field,
-                                    size_t max_textures, size_t stride) {
+                                    size_t max_textures) {
   std::map<int64_t, std::map<int, std::vector<int64_t>>> seen;  // texture -> state -> grid samples
   for (int64_t sample = 0; sample < space.sample_count(); ++sample)
     seen[field_sample_of(space, axes, sample)][states.state_of_sample[static_cast<size_t>(sample)]].push_back(sample);
@@ -95,7 +95,7 @@ std::vector<SolveGroup> make_groups(const ParameterSpace& space, AxisMask axes, 
                        {textures.begin() + static_cast<ptrdiff_t>(begin),
                         textures.begin() + static_cast<ptrdiff_t>(std::min(textures.size(), begin + max_textures))},
                        {}};
-      for (size_t s = 0; s < key.size(); s += stride) {
+      for (size_t s = 0; s < key.size(); ++s) {
         SolveGroup::Use use{key[s], {}};
         for (const int64_t texture : group.textures) use.samples.push_back(seen[texture][key[s]]);
         group.uses.push_back(std::move(use));

@@ -43,8 +43,8 @@ struct SolveGroup {
   std::vector<int64_t> textures;  // flat numbers in the field's space
   std::vector<Use> uses;          // ascending states
 };
-// At most `max_textures` to a group; of a group's states only every `stride`-th is used.
+// At most `max_textures` to a group.
 std::vector<SolveGroup> make_groups(const ParameterSpace& space, AxisMask axes, const StateTable& states, int field,
-                                    size_t max_textures, size_t stride);
+                                    size_t max_textures);
 
 }  // namespace vitrine

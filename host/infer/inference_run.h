@@ -3,8 +3,9 @@
 // One run over all states: reads matrices, solves what the store has not, stores it.
 //
 // States are taken in batches of a few. Textures that see a single state are solved as soon as its matrix is there; those
-// that see many gather their right sides and are solved at the end, when the matrices of all their states are. Everything
-// that reaches a texture is added in the order of states, whatever the number of threads.
+// that see many (a stack) gather their right sides. Then matrices are read again, for as many stacks at once as memory allows,
+// and summed up: reading one takes a moment, keeping those of all states gigabytes. Everything that reaches a texture is added
+// in the order of states, whatever the number of threads.
 #pragma once
 
 #include <memory>
@@ -22,8 +23,7 @@ class InferenceRun {
   // Fills keys of the textures of all fields of `inference`, which must stay. `states`: as numbered by `table`, for
   // inference.objects.
   InferenceRun(const Scene& scene, const std::vector<StoreKey>& frames, const Store& store, hal::Gpu& gpu,
-               const InferenceOptions& options, const StateTable& table, std::vector<GeometryState> states, size_t stride,
-               Inference& inference);
+               const InferenceOptions& options, const StateTable& table, std::vector<GeometryState> states, Inference& inference);
   ~InferenceRun();
 
   // Solves and stores what is missing, then fills the fields' importance.
@@ -32,6 +32,7 @@ class InferenceRun {
  private:
   struct StateObject;  // matrix, filter and weights of one object in one state
   struct StateData;
+  struct Stack;  // what groups of one object share that see the same states
 
   void make_groups_and_keys();
   StoreKey texture_key(const SolveGroup& group, size_t texture, const StoreKey& base) const;
@@ -42,15 +43,20 @@ class InferenceRun {
   std::vector<int> needed_states() const;
   size_t batch_size() const;
   void process_batch(std::span<const int> batch, MatrixReader& reader, Progress& progress);
+  void process_stacks(std::span<Stack* const> stacks, MatrixReader& reader, Progress& progress);
   void load_frames(std::span<const int> batch);
   void build_observations(std::span<const int> batch, std::vector<StateMatrix> matrices);
+  SolverOptions solver_options() const;
+  void make_stacks();
   void gather(std::span<const int> batch);
   void solve_single(std::span<const int> batch, Progress& progress);
-  void solve_stacks(Progress& progress);
+  void solve_one(const SolveGroup& group, Progress& progress) const;
+  std::vector<std::vector<Stack*>> stacks_side_by_side();
   void release(std::span<const int> batch);
   void finish_importance();
 
-  void add_use(TextureSolver& solver, const SolveGroup& group, const SolveGroup::Use& use);
+  size_t object_number(const SolveGroup& group) const;
+  void add_use(TextureSolver& solver, const SolveGroup& group, const SolveGroup::Use& use) const;
   void store_textures(const SolveGroup& group, const std::vector<std::vector<glm::vec3>>& textures, Progress& progress) const;
   Layer layer_of(const SolveGroup& group) const;
   const DrawnObject& object_of(const SolveGroup& group) const;
@@ -62,15 +68,15 @@ class InferenceRun {
   const InferenceOptions& options_;
   const StateTable& table_;
   std::vector<GeometryState> states_;
-  size_t stride_;
   Inference& inference_;
 
-  std::vector<Pyramid> pyramids_;                       // per drawn object
-  std::vector<SolveGroup> groups_;                      // only with textures that are missing
-  std::vector<std::unique_ptr<TextureSolver>> stacks_;  // per group that sees many states
-  std::vector<std::unique_ptr<StateData>> data_;        // per state, while it is needed
-  std::vector<StoreKey> importance_keys_;               // per drawn object
-  std::vector<std::vector<float>> importance_;          // per drawn object, all levels; empty where the store has it
+  std::vector<Pyramid> pyramids_;                        // per drawn object
+  std::vector<SolveGroup> groups_;                       // only with textures that are missing
+  std::vector<std::unique_ptr<TextureSolver>> solvers_;  // per group that sees many states
+  std::vector<Stack> stacks_;
+  std::vector<std::unique_ptr<StateData>> data_;  // per state, of the batch
+  std::vector<StoreKey> importance_keys_;         // per drawn object
+  std::vector<std::vector<float>> importance_;    // per drawn object, all levels; empty where the store has it
 };
 
 }  // namespace vitrine

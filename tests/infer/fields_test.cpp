@@ -56,12 +56,11 @@ TEST(Fields, GroupsHoldEveryTextureOnceAndShareTheirStates) {
   const auto scene = make_ball_on_board({.views = 4, .lamps = 6});
   const StateTable states = make_states(scene->space(), kView);
   ASSERT_EQ(states.samples_of_state.size(), 4u);
-  const auto diffuse = make_groups(scene->space(), kLamp, states, 0, 4, 1);
+  const auto diffuse = make_groups(scene->space(), kLamp, states, 0, 4);
   ASSERT_EQ(diffuse.size(), 2u);
   EXPECT_EQ(diffuse[0].textures.size() + diffuse[1].textures.size(), 6u);
   EXPECT_EQ(diffuse[0].uses.size(), 4u);
-  EXPECT_EQ(make_groups(scene->space(), kLamp, states, 0, 4, 2)[0].uses.size(), 2u);
-  const auto specular = make_groups(scene->space(), kView | kLamp, states, 0, 4, 1);
+  const auto specular = make_groups(scene->space(), kView | kLamp, states, 0, 4);
   EXPECT_EQ(specular.size(), 8u);
   for (const SolveGroup& group : specular) EXPECT_EQ(group.uses.size(), 1u);
 }
