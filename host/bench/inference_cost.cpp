@@ -124,7 +124,7 @@ class CostMeasurement {
   std::vector<StoreKey> keys_;
 };
 
-// The first `samples` samples of the first axis, the middle of all others.
+// `samples` samples from end to end of the first axis, the first of all others.
 Scene first_samples(const Scene& scene, int samples) {
   Scene few = scene;
   for (size_t a = 0; a < few.axes.size(); ++a)
@@ -186,9 +186,10 @@ std::string curve_of(const std::vector<InferenceCostRow>& rows, const std::funct
   for (const InferenceCostRow& row : rows) {
     const double x = x_of(size_of(row)), y = y_of(counted(row));
     points += fmt::format("{:.1f},{:.1f} ", x, y);
-    marks += fmt::format("<circle cx='{0:.1f}' cy='{1:.1f}' r='3'/><text x='{0:.1f}' y='{2:.1f}'>{3:.2f} s</text>"
-                         "<text x='{0:.1f}' y='{4:.1f}' text-anchor='middle'>{5:.0f}</text>\n",
-                         x, y, y - 8, counted(row), kPlotMargin + kPlotSize + 16, size_of(row));
+    marks += fmt::format(
+        "<circle cx='{0:.1f}' cy='{1:.1f}' r='3'/><text x='{0:.1f}' y='{2:.1f}'>{3:.2f} s</text>"
+        "<text x='{0:.1f}' y='{4:.1f}' text-anchor='middle'>{5:.0f}</text>\n",
+        x, y, y - 8, counted(row), kPlotMargin + kPlotSize + 16, size_of(row));
   }
   return fmt::format(
       "<rect x='{0:.1f}' y='{1:.1f}' width='{2:.1f}' height='{2:.1f}' fill='none' stroke='grey'/>\n"
@@ -220,11 +221,11 @@ InferenceCost measure_inference_cost(const Scene& scene, const TraceOptions& as_
 
 std::string plot_of(const InferenceCost& cost) {
   const double panel = kPlotSize + 2 * kPlotMargin;
-  return fmt::format("<svg xmlns='http://www.w3.org/2000/svg' width='{0:.0f}' height='{1:.0f}' font-family='sans-serif' "
-                     "font-size='11'>\n<rect width='100%' height='100%' fill='white'/>\n{2}{3}</svg>\n",
-                     2 * panel, panel,
-                     curve_of(cost.by_samples, samples_of, "samples", cost.samples_exponent, 0),
-                     curve_of(cost.by_pixels, pixels_of, "pixels", cost.pixels_exponent, panel));
+  return fmt::format(
+      "<svg xmlns='http://www.w3.org/2000/svg' width='{0:.0f}' height='{1:.0f}' font-family='sans-serif' "
+      "font-size='11'>\n<rect width='100%' height='100%' fill='white'/>\n{2}{3}</svg>\n",
+      2 * panel, panel, curve_of(cost.by_samples, samples_of, "samples", cost.samples_exponent, 0),
+      curve_of(cost.by_pixels, pixels_of, "pixels", cost.pixels_exponent, panel));
 }
 
 }  // namespace vitrine

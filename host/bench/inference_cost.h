@@ -43,13 +43,13 @@ struct InferenceCost {
 
 struct InferenceCostOptions {
   int supersampling = 2;
-  bool trace = true;         // the frame as compiled; otherwise the sample is inferred from a frame of few paths like the rest
-  bool scaling = true;       // rows over samples and pixels
-  bool whole_grid = false;   // also infer all samples
+  bool trace = true;        // the frame as compiled; otherwise the sample is inferred from a frame of few paths like the rest
+  bool scaling = true;      // rows over samples and pixels
+  bool whole_grid = false;  // also infer all samples
 };
 
-// The middle sample of all axes for one; samples along the first axis for several. `folder`: frames that it holds are not traced
-// again, textures are inferred anew each time.
+// The middle sample of all axes for one; for several as many along the first axis, from end to end. `folder`: frames that it
+// holds are not traced again, textures are inferred anew each time.
 InferenceCost measure_inference_cost(const Scene& scene, const TraceOptions& as_compiled, const InferenceCostOptions& options,
                                      const std::filesystem::path& folder, Progress& progress);
 
