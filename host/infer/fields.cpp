@@ -89,7 +89,7 @@ uint16_t map_number(const Field& field, int64_t flat) {
 const TextureMap& map_of(const Field& field, int64_t flat) { return field.maps[map_number(field, flat)]; }
 
 std::vector<SolveGroup> make_groups(const ParameterSpace& space, const Field& field, int number, const StateTable& states,
-                                    size_t max_textures, size_t stride) {
+                                    size_t max_textures) {
   std::map<int64_t, std::map<int, std::vector<int64_t>>> seen;  // texture -> state -> grid samples
   for (int64_t sample = 0; sample < space.sample_count(); ++sample)
     seen[field_sample_of(space, field.axes, sample)][states.state_of_sample[static_cast<size_t>(sample)]].push_back(sample);
@@ -107,7 +107,7 @@ std::vector<SolveGroup> make_groups(const ParameterSpace& space, const Field& fi
                        {textures.begin() + static_cast<ptrdiff_t>(begin),
                         textures.begin() + static_cast<ptrdiff_t>(std::min(textures.size(), begin + max_textures))},
                        {}};
-      for (size_t s = 0; s < key.second.size(); s += stride) {
+      for (size_t s = 0; s < key.second.size(); ++s) {
         const int state = key.second[s];
         SolveGroup::Use use{state, {}};
         for (const int64_t texture : group.textures) use.samples.push_back(seen[texture][state]);

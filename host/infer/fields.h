@@ -49,8 +49,8 @@ struct SolveGroup {
   std::vector<int64_t> textures;  // flat numbers in the field's space
   std::vector<Use> uses;          // ascending states
 };
-// At most `max_textures` to a group; of a group's states only every `stride`-th is used. `number`: of the field.
+// At most `max_textures` to a group. `number`: of the field.
 std::vector<SolveGroup> make_groups(const ParameterSpace& space, const Field& field, int number, const StateTable& states,
-                                    size_t max_textures, size_t stride);
+                                    size_t max_textures);
 
 }  // namespace vitrine

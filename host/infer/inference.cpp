@@ -16,10 +16,6 @@
 namespace vitrine {
 namespace {
 
-// What a supersample of the rendering matrix takes: four texels mostly (the finest level is magnified at the supersampled
-// size), and its place.
-constexpr size_t kBytesPerSupersample = 48;
-
 std::vector<DrawnObject> draw_objects(const Scene& scene) {
   const Pose pose = pose_scene(scene, scene.space().position_of({}));
   std::vector<DrawnObject> objects(scene.objects.size());
@@ -111,13 +107,6 @@ std::vector<std::string> warn_of_darkness(const Scene& scene, const std::vector<
   return warnings;
 }
 
-size_t stride_for_memory(size_t states, const InferenceOptions& options) {
-  const size_t samples = static_cast<size_t>(options.width) * static_cast<size_t>(options.height) *
-                         static_cast<size_t>(options.supersampling * options.supersampling);
-  const size_t needed = states * samples * kBytesPerSupersample;
-  return std::max<size_t>(1, (needed + options.max_matrix_bytes - 1) / std::max<size_t>(1, options.max_matrix_bytes));
-}
-
 }  // namespace
 
 Inference infer_textures(const Scene& scene, const std::vector<StoreKey>& frames, const Store& store, hal::Gpu& gpu,
@@ -139,13 +128,7 @@ Inference infer_textures(const Scene& scene, const std::vector<StoreKey>& frames
   inference.fields = make_fields(scene, inference.objects, lights);
   inference.warnings = warn_of_darkness(scene, inference.objects, inference.fields);
   lay_out_fields(scene, lights, options, geometry.table, surfaces, inference);
-  const size_t stride = stride_for_memory(geometry.states.size(), options);
-  if (stride > 1)
-    inference.warnings.push_back(
-        fmt::format("rendering matrices of all {} views would need more than {} MB: layers that do not depend on the view are "
-                    "inferred from every {}. view",
-                    geometry.states.size(), options.max_matrix_bytes >> 20, stride));
-  InferenceRun run(scene, frames, store, gpu, options, geometry.table, std::move(geometry.states), stride, inference);
+  InferenceRun run(scene, frames, store, gpu, options, geometry.table, std::move(geometry.states), inference);
   run.solve_missing(progress);
   return inference;
 }

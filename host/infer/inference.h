@@ -67,7 +67,7 @@ struct Field {
 struct Inference {
   std::vector<DrawnObject> objects;   // only those that some frame shows
   std::vector<Field> fields;          // only layers that carry light
-  std::vector<std::string> warnings;  // one line each: views left out for want of memory, ...
+  std::vector<std::string> warnings;  // one line each: objects that no light reaches, ...
 };
 
 // How fine textures are (host/infer/texture_coordinates.h).
@@ -86,13 +86,11 @@ struct InferenceOptions {
   int width = 640, height = 480, supersampling = 2;
   SurfaceFilter filter = SurfaceFilter::kTrilinear;  // with which the target will read textures
   float regularization = 0.3f;                       // e_f
+  float range_regularization = 0;                    // e_b (range_penalty.h)
   int iterations = 40;                               // of conjugate gradients, at most
   TextureLayout layout = TextureLayout::kFitted;
   TextureFitOptions fit;  // texels_per_pixel: before the objects' own scales
   int max_texture_size = 1024;
-  // Rendering matrices held at once. Where all views need more, layers that do not depend on the view are solved over every
-  // n-th of them only, and Inference::warnings says so.
-  size_t max_matrix_bytes = size_t{8} << 30;
 };
 
 // `frames`: keys of all grid samples, flat order; all are in the store. `gpu`: a device with float targets. Results go to the

@@ -8,16 +8,24 @@
 #include <map>
 #include <set>
 #include <stdexcept>
+#include <utility>
 
 #include "host/infer/light_survey.h"
+#include "host/infer/rows_of_states.h"
+#include "host/infer/state_objects.h"
 
 namespace vitrine {
 namespace {
 
-constexpr int kInferenceVersion = 6;  // changes whenever the same input would give other textures
-constexpr size_t kBatch = 8;          // states read at once, if their frames stay below
-constexpr size_t kBatchFrameBytes = size_t{1} << 30;
-constexpr size_t kFramePixelBytes = 40;  // of a loaded frame: the picture, and layers of about one object a pixel
+constexpr int kInferenceVersion = 7;  // changes whenever the same input would give other textures
+constexpr size_t kBatch = 8;          // states read at once, if what they take stays below
+constexpr size_t kBatchBytes = size_t{256} << 20;
+constexpr size_t kFramePixelBytes = 40;             // of a loaded frame: the picture, and layers of about one object a pixel
+constexpr size_t kSupersampleBytes = 64;            // of a matrix: what the device tells, four texels mostly, and the place
+constexpr size_t kStackTexelBytes = 300;            // of the matrices of a stack, summed up: measured
+constexpr size_t kStackBytes = size_t{600} << 20;   // stacks whose matrices are summed up side by side
+constexpr size_t kSolverTexelBytes = 270;           // of a solver of four textures at work
+constexpr size_t kSolverBytes = size_t{600} << 20;  // solvers at work side by side, unless one alone takes more
 constexpr float kLargestHalf = 65504;
 
 void append(KeyBuilder& key, const StoreKey& part) {
@@ -39,32 +47,22 @@ void append_field(KeyBuilder& key, const Inference& inference, const Field& fiel
 
 }  // namespace
 
-struct InferenceRun::StateObject {
-  Placement placement;
-  ObjectMatrix matrix;
-  FilteredMatrix filtered;
-  Observation observation;
+struct InferenceRun::Stack {
+  int field = 0;
+  uint16_t map = 0;
+  std::vector<int> states;  // ascending
+  std::vector<size_t> groups;
+  std::vector<std::vector<float>> weights;  // of the observations of `states`
 };
 
 struct InferenceRun::StateData {
   std::vector<Frame> frames;                                       // as table_.samples_of_state
-  std::vector<std::vector<std::unique_ptr<StateObject>>> objects;  // per drawn object, one for every way it is laid out
-};
-
-struct InferenceRun::Device {
-  TestRenderer renderer;
-  std::map<std::vector<TextureSize>, std::unique_ptr<MatrixReader>> readers;  // by the sizes of all objects' textures
-
-  MatrixReader& reader_of(const std::vector<TextureSize>& sizes, const GeometryState& state) {
-    std::unique_ptr<MatrixReader>& reader = readers[sizes];
-    if (!reader) reader = make_matrix_reader(renderer, sizes, state);
-    return *reader;
-  }
+  std::vector<std::vector<std::shared_ptr<StateObject>>> objects;  // per drawn object, one for every way it is laid out
 };
 
 InferenceRun::InferenceRun(const Scene& scene, const std::vector<StoreKey>& frames, const Store& store, hal::Gpu& gpu,
                            const InferenceOptions& options, const StateTable& table, std::vector<GeometryState> states,
-                           size_t stride, Inference& inference)
+                           Inference& inference)
     : scene_(scene),
       frames_(frames),
       store_(store),
@@ -72,7 +70,6 @@ InferenceRun::InferenceRun(const Scene& scene, const std::vector<StoreKey>& fram
       options_(options),
       table_(table),
       states_(std::move(states)),
-      stride_(stride),
       inference_(inference),
       data_(states_.size()) {
   for (const Field& field : inference_.fields) pyramids_.emplace_back(field.texture_width, field.texture_height);
@@ -110,6 +107,7 @@ StoreKey InferenceRun::base_key() const {
        {options_.width, options_.height, options_.supersampling, static_cast<int>(options_.filter), options_.iterations})
     key.integer(value);
   key.number(static_cast<double>(options_.regularization));
+  key.number(static_cast<double>(options_.range_regularization));
   key.number(static_cast<double>(scene_.settings.exposure));
   for (const DrawnObject& object : inference_.objects) {
     key.integer(object.culled_index_count);
@@ -140,8 +138,7 @@ void InferenceRun::make_groups_and_keys() {
   for (size_t f = 0; f < inference_.fields.size(); ++f) {
     Field& field = inference_.fields[f];
     field.textures.resize(static_cast<size_t>(field.space.sample_count()));
-    for (SolveGroup& group :
-         make_groups(scene_.space(), field, static_cast<int>(f), table_, TextureSolver::kMaxTextures, stride_)) {
+    for (SolveGroup& group : make_groups(scene_.space(), field, static_cast<int>(f), table_, TextureSolver::kMaxTextures)) {
       std::vector<size_t> missing;
       for (size_t t = 0; t < group.textures.size(); ++t) {
         StoreKey& key = field.textures[static_cast<size_t>(group.textures[t])];
@@ -175,11 +172,11 @@ Layer InferenceRun::layer_of(const SolveGroup& group) const {
                                                                                                   : Layer::kSpecular;
 }
 
-InferenceRun::StateObject& InferenceRun::state_object(int state, int field, uint16_t map) const {
+const std::shared_ptr<StateObject>& InferenceRun::state_object(int state, int field, uint16_t map) const {
   const Placement placement = placement_of(field, map);
   const auto object = static_cast<size_t>(inference_.fields[static_cast<size_t>(field)].drawn_object);
   for (const auto& candidate : data_[static_cast<size_t>(state)]->objects[object])
-    if (candidate->placement == placement) return *candidate;
+    if (candidate->placement == placement) return candidate;
   throw std::logic_error("a texture is solved for that its state does not show");
 }
 
@@ -194,8 +191,10 @@ std::vector<int> InferenceRun::needed_states() const {
 
 size_t InferenceRun::batch_size() const {
   const size_t frames = (frames_.size() + states_.size() - 1) / states_.size();
-  const size_t bytes = frames * static_cast<size_t>(options_.width) * static_cast<size_t>(options_.height) * kFramePixelBytes;
-  return std::clamp<size_t>(kBatchFrameBytes / std::max<size_t>(1, bytes), 1, kBatch);
+  const size_t supersamples = static_cast<size_t>(options_.supersampling * options_.supersampling);
+  const size_t bytes = static_cast<size_t>(options_.width) * static_cast<size_t>(options_.height) *
+                       (frames * kFramePixelBytes + supersamples * kSupersampleBytes);
+  return std::clamp<size_t>(kBatchBytes / std::max<size_t>(1, bytes), 1, kBatch);
 }
 
 void InferenceRun::solve_missing(Progress& progress) {
@@ -206,74 +205,78 @@ void InferenceRun::solve_missing(Progress& progress) {
   progress.begin("inference", total, total - missing, "textures");
   const std::vector<int> states = needed_states();
   if (!states.empty()) {
-    stacks_.resize(groups_.size());
-    for (size_t g = 0; g < groups_.size(); ++g)
-      if (groups_[g].uses.size() > 1) {
-        stacks_[g] = std::make_unique<TextureSolver>(pyramids_[static_cast<size_t>(groups_[g].field)], groups_[g].textures.size(),
-                                                     SolverOptions{options_.regularization, options_.iterations});
-      }
+    make_stacks();
     {
-      Device device{TestRenderer(gpu_, options_, inference_.objects), {}};
+      StateObjectReader reader(gpu_, options_, inference_.objects, usual_placements());
       const size_t batch = batch_size();
       for (size_t begin = 0; begin < states.size(); begin += batch)
-        process_batch(std::span(states).subspan(begin, std::min(batch, states.size() - begin)), device, progress);
+        process_batch(std::span(states).subspan(begin, std::min(batch, states.size() - begin)), reader, progress);
+      finish_importance();
+      for (const auto& stacks : stacks_side_by_side()) process_stacks(stacks, reader, progress);
     }
-    solve_stacks(progress);
-    finish_importance();
   }
   progress.end();
 }
 
-void InferenceRun::process_batch(std::span<const int> batch, Device& device, Progress& progress) {
+SolverOptions InferenceRun::solver_options() const {
+  SolverOptions options;
+  options.regularization = options_.regularization;
+  options.iterations = options_.iterations;
+  options.range_regularization = options_.range_regularization;
+  options.white = 1 / scene_.settings.exposure;
+  return options;
+}
+
+// A rendering that asks for one texture of an object only takes its first one otherwise: fewer combinations of sizes.
+std::vector<Placement> InferenceRun::usual_placements() const {
+  std::vector<Placement> usual(inference_.objects.size(), {{1, 1}, {}});
+  for (size_t f = inference_.fields.size(); f-- > 0;)
+    usual[static_cast<size_t>(inference_.fields[f].drawn_object)] = placement_of(static_cast<int>(f), 0);
+  return usual;
+}
+
+void InferenceRun::make_stacks() {
+  solvers_.resize(groups_.size());
+  for (size_t g = 0; g < groups_.size(); ++g) {
+    if (groups_[g].uses.size() < 2) continue;
+    const SolveGroup& group = groups_[g];
+    solvers_[g] = std::make_unique<TextureSolver>(pyramid_of(group), group.textures.size(), solver_options());
+    std::vector<int> states;
+    for (const SolveGroup::Use& use : group.uses) states.push_back(use.state);
+    const auto same = [&](const Stack& stack) {
+      return stack.field == group.field && stack.map == group.map && stack.states == states;
+    };
+    auto stack = std::find_if(stacks_.begin(), stacks_.end(), same);
+    if (stack == stacks_.end()) stack = stacks_.insert(stacks_.end(), Stack{group.field, group.map, std::move(states), {}, {}});
+    stack->groups.push_back(g);
+  }
+}
+
+void InferenceRun::process_batch(std::span<const int> batch, StateObjectReader& reader, Progress& progress) {
   progress.advance(0);
   load_frames(batch);
-  read_matrices(batch, device);
+  read_matrices(batch, reader);
   build_observations(batch);
   gather(batch);
   solve_single(batch, progress);
   release(batch);
 }
 
-// A rendering shows every object with one texture, so a state is rendered as often as its objects have ways to be laid out.
-void InferenceRun::read_matrices(std::span<const int> batch, Device& device) {
-  struct Rendering {
-    int state = 0;
-    GeometryState geometry;
-    std::vector<StateObject*> objects;  // null: drawn only for what it hides
-  };
-  std::map<std::vector<TextureSize>, std::vector<Rendering>> renderings;
+void InferenceRun::read_matrices(std::span<const int> batch, StateObjectReader& reader) {
+  std::vector<StateObjectReader::Request> requests;
   for (const int s : batch) {
     StateData& data = *data_[static_cast<size_t>(s)];
     data.objects.resize(inference_.objects.size());
     for (const Shown& shown : shown_[static_cast<size_t>(s)]) {
       const Placement placement = placement_of(shown.field, shown.map);
-      auto& own = data.objects[static_cast<size_t>(inference_.fields[static_cast<size_t>(shown.field)].drawn_object)];
+      const auto object = static_cast<size_t>(inference_.fields[static_cast<size_t>(shown.field)].drawn_object);
+      auto& own = data.objects[object];
       if (std::any_of(own.begin(), own.end(), [&](const auto& o) { return o->placement == placement; })) continue;
-      own.push_back(std::make_unique<StateObject>());
-      own.back()->placement = placement;
-    }
-    size_t rounds = 0;
-    for (const auto& own : data.objects) rounds = std::max(rounds, own.size());
-    for (size_t round = 0; round < rounds; ++round) {
-      Rendering rendering{s, states_[static_cast<size_t>(s)], {}};
-      std::vector<TextureSize> sizes;
-      for (const auto& own : data.objects) {
-        const Placement placement = own.empty() ? Placement{{1, 1}, {}} : own[std::min(round, own.size() - 1)]->placement;
-        sizes.push_back(placement.size);
-        rendering.geometry.maps.push_back(placement.map);
-        rendering.objects.push_back(round < own.size() ? own[round].get() : nullptr);
-      }
-      renderings[sizes].push_back(std::move(rendering));
+      own.push_back(std::make_shared<StateObject>(placement));
+      requests.push_back({&states_[static_cast<size_t>(s)], object, own.back().get()});
     }
   }
-  for (auto& [sizes, same] : renderings) {
-    std::vector<const GeometryState*> geometry;
-    for (const Rendering& rendering : same) geometry.push_back(&rendering.geometry);
-    std::vector<StateMatrix> matrices = device.reader_of(sizes, same.front().geometry).read(geometry);
-    for (size_t r = 0; r < same.size(); ++r)
-      for (size_t i = 0; i < same[r].objects.size(); ++i)
-        if (same[r].objects[i]) same[r].objects[i]->matrix = std::move(matrices[r][i]);
-  }
+  reader.read(requests);
 }
 
 void InferenceRun::load_frames(std::span<const int> batch) {
@@ -310,15 +313,15 @@ void InferenceRun::build_observations(std::span<const int> batch) {
     std::vector<const Frame*> frames;
     for (const Frame& frame : jobs[j].data->frames) frames.push_back(&frame);
     StateObject& entry = *jobs[j].entry;
-    entry.filtered = FilteredMatrix(entry.matrix, options_.supersampling, options_.width, options_.height);
+    entry.filter(options_);
     entry.observation = make_observation(entry.filtered, jobs[j].object, frames);
   });
 }
 
-void InferenceRun::add_use(TextureSolver& solver, const SolveGroup& group, const SolveGroup::Use& use) {
+void InferenceRun::add_use(TextureSolver& solver, const SolveGroup& group, const SolveGroup::Use& use) const {
   const StateData& data = *data_[static_cast<size_t>(use.state)];
   const auto object = static_cast<size_t>(field_of(group).drawn_object);
-  const Observation& observation = state_object(use.state, group.field, group.map).observation;
+  const Observation& observation = state_object(use.state, group.field, group.map)->observation;
   const auto& samples = table_.samples_of_state[static_cast<size_t>(use.state)];
   std::vector<std::vector<glm::vec3>> layers;
   for (const auto& own : use.samples) {
@@ -332,18 +335,22 @@ void InferenceRun::add_use(TextureSolver& solver, const SolveGroup& group, const
   solver.add(observation, layers);
 }
 
-// Right sides of stacks, and importance: each object by itself, states in order.
+// Right sides and weights of stacks, and importance: each object by itself, states in order.
 void InferenceRun::gather(std::span<const int> batch) {
   tbb::parallel_for(size_t{0}, groups_.size(), [&](size_t g) {
-    if (!stacks_[g]) return;
+    if (!solvers_[g]) return;
     for (const SolveGroup::Use& use : groups_[g].uses)
-      if (std::find(batch.begin(), batch.end(), use.state) != batch.end()) add_use(*stacks_[g], groups_[g], use);
+      if (std::find(batch.begin(), batch.end(), use.state) != batch.end()) add_use(*solvers_[g], groups_[g], use);
   });
+  for (Stack& stack : stacks_)
+    for (const int s : batch)
+      if (std::binary_search(stack.states.begin(), stack.states.end(), s))
+        stack.weights.push_back(state_object(s, stack.field, stack.map)->observation.weight);
   tbb::parallel_for(size_t{0}, importance_.size(), [&](size_t field) {
     for (const int s : batch)
       for (const Shown& shown : shown_[static_cast<size_t>(s)]) {
         if (static_cast<size_t>(shown.field) != field || importance_[field].empty()) continue;
-        add_importance(state_object(s, shown.field, shown.map).observation, static_cast<float>(shown.samples),
+        add_importance(state_object(s, shown.field, shown.map)->observation, static_cast<float>(shown.samples),
                        importance_[field][shown.map]);
       }
   });
@@ -351,41 +358,83 @@ void InferenceRun::gather(std::span<const int> batch) {
 
 void InferenceRun::solve_single(std::span<const int> batch, Progress& progress) {
   std::vector<const SolveGroup*> jobs;
+  const auto texels_of = [&](const SolveGroup* group) { return pyramid_of(*group).finest_size(); };
   for (size_t g = 0; g < groups_.size(); ++g)
-    if (!stacks_[g] && std::find(batch.begin(), batch.end(), groups_[g].uses.front().state) != batch.end())
+    if (!solvers_[g] && std::find(batch.begin(), batch.end(), groups_[g].uses.front().state) != batch.end())
       jobs.push_back(&groups_[g]);
-  tbb::parallel_for(size_t{0}, jobs.size(), [&](size_t j) {
-    const SolveGroup& group = *jobs[j];
-    TextureSolver solver(pyramids_[static_cast<size_t>(group.field)], group.textures.size(),
-                         {options_.regularization, options_.iterations});
-    add_use(solver, group, group.uses.front());
-    store_textures(group, solver.solve(), progress);
-  });
-}
-
-void InferenceRun::solve_stacks(Progress& progress) {
-  std::vector<size_t> jobs;
-  for (size_t g = 0; g < groups_.size(); ++g)
-    if (stacks_[g]) jobs.push_back(g);
-  tbb::parallel_for(size_t{0}, jobs.size(), [&](size_t j) {
-    store_textures(groups_[jobs[j]], stacks_[jobs[j]]->solve(), progress);
-    stacks_[jobs[j]].reset();
-  });
-}
-
-// Keeps of a batch only matrices that stacks still need.
-void InferenceRun::release(std::span<const int> batch) {
-  for (const int s : batch) {
-    StateData& data = *data_[static_cast<size_t>(s)];
-    data.frames.clear();
-    data.frames.shrink_to_fit();
-    std::set<const StateObject*> needed;
-    for (size_t g = 0; g < groups_.size(); ++g)
-      for (const SolveGroup::Use& use : groups_[g].uses)
-        if (stacks_[g] && use.state == s) needed.insert(&state_object(s, groups_[g].field, groups_[g].map));
-    for (auto& own : data.objects)
-      std::erase_if(own, [&](const auto& entry) { return needed.find(entry.get()) == needed.end(); });
+  std::stable_sort(jobs.begin(), jobs.end(),
+                   [&](const SolveGroup* a, const SolveGroup* b) { return texels_of(a) > texels_of(b); });
+  for (size_t begin = 0, end = 0; begin < jobs.size(); begin = end) {
+    for (size_t bytes = 0; end < jobs.size(); ++end) {
+      bytes += kSolverTexelBytes * texels_of(jobs[end]);
+      if (end > begin && bytes > kSolverBytes) break;
+    }
+    tbb::parallel_for(begin, end, [&](size_t j) { solve_one(*jobs[j], progress); });
   }
+}
+
+void InferenceRun::solve_one(const SolveGroup& group, Progress& progress) const {
+  TextureSolver solver(pyramid_of(group), group.textures.size(), solver_options());
+  add_use(solver, group, group.uses.front());
+  RowsOfStates rows(pyramid_of(group));
+  const std::shared_ptr<StateObject>& seen = state_object(group.uses.front().state, group.field, group.map);
+  rows.add({seen, &seen->observation});
+  store_textures(group, solver.solve(rows.finish()), progress);
+}
+
+std::vector<std::vector<InferenceRun::Stack*>> InferenceRun::stacks_side_by_side() {
+  std::vector<std::vector<Stack*>> result;
+  size_t bytes = 0;
+  for (Stack& stack : stacks_) {
+    const size_t own = kStackTexelBytes * pyramids_[static_cast<size_t>(stack.field)].size();
+    if (result.empty() || bytes + own > kStackBytes) result.emplace_back(), bytes = 0;
+    result.back().push_back(&stack);
+    bytes += own;
+  }
+  return result;
+}
+
+void InferenceRun::process_stacks(std::span<Stack* const> stacks, StateObjectReader& reader, Progress& progress) {
+  std::vector<RowsOfStates> rows;
+  for (const Stack* stack : stacks) rows.emplace_back(pyramids_[static_cast<size_t>(stack->field)]);
+  for (int s = 0; s < static_cast<int>(states_.size()); ++s) {
+    progress.advance(0);
+    add_rows(s, stacks, reader, rows);
+  }
+  for (size_t i = 0; i < stacks.size(); ++i) {
+    const DataTerm& data = rows[i].finish();
+    tbb::parallel_for(size_t{0}, stacks[i]->groups.size(), [&](size_t j) {
+      const size_t g = stacks[i]->groups[j];
+      store_textures(groups_[g], solvers_[g]->solve(data), progress);
+      solvers_[g].reset();
+    });
+  }
+}
+
+// To rows[i] what stacks[i] sees in a state.
+void InferenceRun::add_rows(int state, std::span<Stack* const> stacks, StateObjectReader& reader,
+                            std::vector<RowsOfStates>& rows) const {
+  std::vector<std::shared_ptr<StateObject>> entries(stacks.size());
+  std::vector<StateObjectReader::Request> requests;
+  for (size_t i = 0; i < stacks.size(); ++i) {
+    if (!std::binary_search(stacks[i]->states.begin(), stacks[i]->states.end(), state)) continue;
+    entries[i] = std::make_shared<StateObject>(placement_of(stacks[i]->field, stacks[i]->map));
+    const Field& field = inference_.fields[static_cast<size_t>(stacks[i]->field)];
+    requests.push_back({&states_[static_cast<size_t>(state)], static_cast<size_t>(field.drawn_object), entries[i].get()});
+  }
+  reader.read(requests);
+  for (size_t i = 0; i < stacks.size(); ++i) {
+    if (!entries[i]) continue;
+    const auto at = std::lower_bound(stacks[i]->states.begin(), stacks[i]->states.end(), state);
+    entries[i]->filter(options_);
+    entries[i]->observation = make_observation(
+        entries[i]->filtered, std::move(stacks[i]->weights[static_cast<size_t>(at - stacks[i]->states.begin())]));
+    rows[i].add({entries[i], &entries[i]->observation});
+  }
+}
+
+void InferenceRun::release(std::span<const int> batch) {
+  for (const int s : batch) data_[static_cast<size_t>(s)].reset();
 }
 
 void InferenceRun::store_textures(const SolveGroup& group, const std::vector<std::vector<glm::vec3>>& textures,

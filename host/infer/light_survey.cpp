@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "host/base/error.h"
 
@@ -19,6 +20,7 @@ LayerLight measure(const ObjectFrame& frame, const std::vector<glm::vec3>& layer
   int64_t seen = 0, lit = 0;
   for (size_t p = 0; p < layer.size(); ++p) {
     const glm::vec3& value = layer[p];
+    if (!std::isfinite(value.x + value.y + value.z)) continue;
     const float brightest = std::max({value.x, value.y, value.z});
     if (frame.coverage[p] > kSeen) ++seen, lit += brightest * exposure > kOneCode;
     if (frame.coverage[p] < 0.5f) continue;

@@ -2,6 +2,7 @@
 #include "host/infer/observation.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace vitrine {
 namespace {
@@ -23,29 +24,42 @@ void for_each_common(const PixelWindow& window, const ObjectFrame& frame, const 
            static_cast<size_t>(y - frame.y) * static_cast<size_t>(frame.width) + static_cast<size_t>(x - frame.x));
 }
 
+bool is_finite(const glm::vec3& v) { return std::isfinite(v.x) && std::isfinite(v.y) && std::isfinite(v.z); }
+
+// Of a pixel that the tracer could not tell (not a number, or infinite) nothing counts.
+float traced_coverage(const ObjectFrame& frame, size_t pixel) {
+  return is_finite(frame.diffuse[pixel]) && is_finite(frame.specular[pixel]) && std::isfinite(frame.coverage[pixel])
+             ? frame.coverage[pixel]
+             : 0;
+}
+
 }  // namespace
 
-Observation make_observation(const FilteredMatrix& matrix, int object, std::span<const Frame* const> frames) {
+Observation make_observation(const FilteredMatrix& matrix, std::vector<float> weight) {
   Observation observation;
   observation.matrix = &matrix;
-  observation.weight = matrix.coverage();
-  std::vector<float> traced(matrix.pixel_count());
-  for (const Frame* frame : frames) {
-    std::fill(traced.begin(), traced.end(), 0.0f);
-    if (const ObjectFrame* found = find_object(*frame, object))
-      for_each_common(matrix.window(), *found, [&](size_t p, size_t q) { traced[p] = found->coverage[q]; });
-    for (size_t p = 0; p < traced.size(); ++p) observation.weight[p] = std::min(observation.weight[p], traced[p]);
-  }
-  observation.scale.resize(traced.size());
-  for (size_t p = 0; p < traced.size(); ++p) {
-    float& weight = observation.weight[p];
-    if (!(weight >= kMinCoverage)) weight = 0;
-    if (weight <= 0) continue;
-    const float ratio = weight / matrix.filtered()[p];
+  observation.weight = std::move(weight);
+  observation.scale.resize(observation.weight.size());
+  for (size_t p = 0; p < observation.weight.size(); ++p) {
+    if (observation.weight[p] <= 0) continue;
+    const float ratio = observation.weight[p] / matrix.filtered()[p];
     observation.scale[p] = ratio * ratio;
     ++observation.rows;
   }
   return observation;
+}
+
+Observation make_observation(const FilteredMatrix& matrix, int object, std::span<const Frame* const> frames) {
+  std::vector<float> weight = matrix.coverage(), traced(matrix.pixel_count());
+  for (const Frame* frame : frames) {
+    std::fill(traced.begin(), traced.end(), 0.0f);
+    if (const ObjectFrame* found = find_object(*frame, object))
+      for_each_common(matrix.window(), *found, [&](size_t p, size_t q) { traced[p] = traced_coverage(*found, q); });
+    for (size_t p = 0; p < traced.size(); ++p) weight[p] = std::min(weight[p], traced[p]);
+  }
+  for (float& w : weight)
+    if (!(w >= kMinCoverage)) w = 0;
+  return make_observation(matrix, std::move(weight));
 }
 
 std::vector<glm::vec3> layer_in_window(const PixelWindow& window, int object, Layer layer, std::span<const Frame* const> frames,

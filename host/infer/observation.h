@@ -16,6 +16,8 @@ namespace vitrine {
 // Rows exist where tracer and device agree that at least this much of a pixel shows the object.
 inline constexpr float kMinCoverage = 1.0f / 16;
 
+// From the weights themselves.
+Observation make_observation(const FilteredMatrix& matrix, std::vector<float> weight);
 // W = the smaller of the coverages of the device and of all `frames` of the state.
 Observation make_observation(const FilteredMatrix& matrix, int object, std::span<const Frame* const> frames);
 

@@ -9,30 +9,26 @@
 // push-pull filling of the pixels' light, from which the search starts. It is
 // minimized by conjugate gradients on the normal equations, preconditioned by the row sums of the data term. Channels run
 // in lock step but with steps of their own, and one that has converged stands still, so that a texture comes out the same
-// whichever others are solved beside it.
+// whichever others are solved beside it. Range regularization is minimized from there on by Newton's method, whose steps
+// conjugate gradients find.
 #pragma once
 
 #include <glm/vec3.hpp>
 #include <span>
 #include <vector>
 
-#include "host/infer/filtered_matrix.h"
+#include "host/infer/data_term.h"
 #include "host/infer/pyramid.h"
 
 namespace vitrine {
-
-// One object in one state: which pixels count, and how much.
-struct Observation {
-  const FilteredMatrix* matrix = nullptr;
-  std::vector<float> weight;  // W per pixel of the window, 0 where there is no row
-  std::vector<float> scale;   // (W / c)^2
-  int64_t rows = 0;
-};
 
 struct SolverOptions {
   float regularization = 0.3f;  // e_f
   int iterations = 40;
   float tolerance = 1e-3f;  // of the preconditioned gradient, relative to that at x = 0
+  // e_b of the range regularization (range_penalty.h). The chapter finds it not needed beside the pyramidal one.
+  float range_regularization = 0;
+  float white = 1;  // radiance that the display shows as white: the end of the range
 };
 
 class TextureSolver {
@@ -44,10 +40,11 @@ class TextureSolver {
   ~TextureSolver();
   TextureSolver(TextureSolver&&) noexcept;
 
-  // Adds a state with its layers: layers[i][p] is b of texture i at pixel p of the window. Order matters for the last bits.
+  // Adds a state's right side: layers[i][p] is b of texture i at pixel p of the window. Order matters for the last bits.
   void add(const Observation& observation, std::span<const std::vector<glm::vec3>> layers);
-  // [texture][texel of the finest level], clamped to >= 0. Observations must still be there.
-  std::vector<std::vector<glm::vec3>> solve() const;
+  // [texture][texel of the finest level], clamped to >= 0. `data`: of all states that were added. Once only: right sides are
+  // spent.
+  std::vector<std::vector<glm::vec3>> solve(const DataTerm& data);
   size_t bytes() const;
 
  private:

@@ -66,12 +66,11 @@ TEST(Fields, GroupsHoldEveryTextureOnceAndShareTheirStates) {
   const auto scene = make_ball_on_board({.views = 4, .lamps = 6});
   const StateTable states = make_states(scene->space(), kView);
   ASSERT_EQ(states.samples_of_state.size(), 4u);
-  const auto diffuse = make_groups(scene->space(), field_over(*scene, kLamp), 0, states, 4, 1);
+  const auto diffuse = make_groups(scene->space(), field_over(*scene, kLamp), 0, states, 4);
   ASSERT_EQ(diffuse.size(), 2u);
   EXPECT_EQ(diffuse[0].textures.size() + diffuse[1].textures.size(), 6u);
   EXPECT_EQ(diffuse[0].uses.size(), 4u);
-  EXPECT_EQ(make_groups(scene->space(), field_over(*scene, kLamp), 0, states, 4, 2)[0].uses.size(), 2u);
-  const auto specular = make_groups(scene->space(), field_over(*scene, kView | kLamp), 0, states, 4, 1);
+  const auto specular = make_groups(scene->space(), field_over(*scene, kView | kLamp), 0, states, 4);
   EXPECT_EQ(specular.size(), 8u);
   for (const SolveGroup& group : specular) EXPECT_EQ(group.uses.size(), 1u);
 }
@@ -83,7 +82,7 @@ TEST(Fields, TexturesThatLieDifferentlyAreNotSolvedTogether) {
   field.block_size = {1, 2};
   field.maps.resize(3);
   field.block_maps = {2, 0, 1};
-  const auto groups = make_groups(scene->space(), field, 0, states, 4, 1);
+  const auto groups = make_groups(scene->space(), field, 0, states, 4);
   ASSERT_EQ(groups.size(), 3u);
   for (const SolveGroup& group : groups)
     for (const int64_t texture : group.textures) EXPECT_EQ(group.map, field.block_maps[static_cast<size_t>(texture / 2)]);

@@ -119,6 +119,19 @@ void add_bench_coordinates(CLI::App& bench, BenchCoordinatesCommand& options) {
   command->footer("Example: vitrine bench coordinates shop --size 320x240");
 }
 
+void add_bench_inference_cost(CLI::App& bench, BenchInferenceCostCommand& options) {
+  CLI::App* command = bench.add_subcommand("inference-cost", "Processor time and memory of inference beside tracing, over samples and over pixels");
+  command->add_option("SCENE", options.scene, "Folder with scene.toml, or a .toml file")->required()->check(kNotEmpty);
+  command->add_option("--size", options.size, "WIDTHxHEIGHT instead of the scene's")->check(kNotEmpty);
+  command->add_flag("--no-trace", options.no_trace, "Trace no frame as compiled, and give no share of it");
+  command->add_flag("--no-scaling", options.no_scaling, "Leave out the rows over samples and over pixels");
+  command->add_flag("--whole", options.whole, "Also infer all samples of the scene, from frames of few paths");
+  command->add_option("--plot", options.plot, "Write the curves (SVG)")->check(kNotEmpty);
+  command->add_option("--work", options.work, "Folder for frames and textures (default: one that is removed afterwards)")->check(kNotEmpty);
+  add_common_options(*command, options.common);
+  command->footer("Example: vitrine bench inference-cost shop --plot cost.svg");
+}
+
 std::string name_of_command(const CLI::App& app) {
   const std::vector<CLI::App*> commands = app.get_subcommands();
   return commands.empty() ? "vitrine" : "vitrine " + commands.front()->get_name();
@@ -139,6 +152,7 @@ struct Commands {
   BenchNoiseCommand bench_noise;
   BenchInferenceCommand bench_inference;
   BenchCoordinatesCommand bench_coordinates;
+  BenchInferenceCostCommand bench_inference_cost;
 };
 
 std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
@@ -150,6 +164,7 @@ std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
   if (app.get_subcommand("bench")->got_subcommand("noise")) return [command = commands.bench_noise] { command.run(); };
   if (app.get_subcommand("bench")->got_subcommand("inference")) return [command = commands.bench_inference] { command.run(); };
   if (app.get_subcommand("bench")->got_subcommand("coordinates")) return [command = commands.bench_coordinates] { command.run(); };
+  if (app.get_subcommand("bench")->got_subcommand("inference-cost")) return [command = commands.bench_inference_cost] { command.run(); };
   return [command = commands.bench_trace] { command.run(); };
 }
 
@@ -173,6 +188,7 @@ std::function<void()> parse_command_line(int argc, char** argv) {
   add_bench_noise(*bench, commands.bench_noise);
   add_bench_inference(*bench, commands.bench_inference);
   add_bench_coordinates(*bench, commands.bench_coordinates);
+  add_bench_inference_cost(*bench, commands.bench_inference_cost);
   // CLI11 would only say that a subcommand is missing.
   if (argc > 1 && argv[1][0] != '-' && !has_command(app, argv[1]))
     throw UsageError(std::string("there is no command \"") + argv[1] + "\": use new, render, compile, inspect, verify or bench: see vitrine --help");

@@ -83,6 +83,13 @@ struct BenchCoordinatesCommand {
   void run() const;
 };
 
+struct BenchInferenceCostCommand {
+  std::string scene, size, plot, work;
+  bool no_trace = false, no_scaling = false, whole = false;
+  CommonOptions common;
+  void run() const;
+};
+
 // Progress as the options ask: silent, a terminal line, or plain lines, always on stderr.
 std::unique_ptr<Progress> make_progress(const CommonOptions& options);
 // Limits all stages to `jobs` threads for the life of the returned object.
