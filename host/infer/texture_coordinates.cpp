@@ -87,19 +87,6 @@ std::vector<glm::vec2> convex_hull(std::span<const glm::vec2> from) {
   return hull;
 }
 
-struct Rectangle {
-  glm::vec2 low{1e30f}, high{-1e30f};
-  glm::vec2 size() const { return high - low; }
-};
-Rectangle rectangle_of(std::span<const glm::vec2> points, const glm::mat2& map) {
-  Rectangle bounds;
-  for (const glm::vec2& p : points) {
-    bounds.low = glm::min(bounds.low, map * p);
-    bounds.high = glm::max(bounds.high, map * p);
-  }
-  return bounds;
-}
-
 glm::mat2 turn_by(float angle) { return {std::cos(angle), std::sin(angle), -std::sin(angle), std::cos(angle)}; }
 
 // With as few more texels as keep the stretch below the bound.
@@ -131,11 +118,11 @@ struct Candidate {
   glm::mat2 linear{1};
   double texels = 1e300;
 };
-Candidate candidate_of(std::span<const SurfaceSample> samples, std::span<const glm::vec2> outline, const glm::mat2& linear) {
+Candidate candidate_of(std::span<const SurfaceSample> samples, std::span<const glm::vec2> outline, const glm::mat2& linear,
+                       float aspect) {
   std::vector<glm::vec2> mapped;
   for (const glm::vec2& point : outline) mapped.push_back(linear * point);
-  const glm::vec2 size = rectangle_of(mapped, turn_by(smallest_rectangle(mapped))).size();
-  return {linear, static_cast<double>(size.x) * static_cast<double>(size.y) * mean_square_stretch(samples, linear)};
+  return {linear, smallest_rectangle(mapped, aspect).texels * mean_square_stretch(samples, linear)};
 }
 
 // exp of the traceless symmetric matrix (p, q; q, -p): stretches by exp(r) one way and by exp(-r) across it, r = |(p, q)|.
@@ -147,11 +134,12 @@ glm::mat2 stretch_by(const glm::vec2& pq) {
 // An isometry's image of what is seen may fill its rectangle badly, as a rhombus does. So the chapter's map, and the one
 // that only scales, are where a search begins for the shape that needs the fewest texels: by steps of stretch in eight
 // directions, halved where none helps. Then it is scaled to the bound.
-glm::mat2 smallest_map(std::span<const SurfaceSample> all, std::span<const glm::vec2> outline, const TextureFitOptions& options) {
+glm::mat2 smallest_map(std::span<const SurfaceSample> all, std::span<const glm::vec2> outline, const TextureFitOptions& options,
+                       float aspect) {
   const std::vector<SurfaceSample> samples = thinned(all, kSearchedSamples);
   Candidate best;
   for (const MapKind kind : {MapKind::kScales, MapKind::kLinear}) {
-    const Candidate candidate = candidate_of(samples, outline, most_isometric_map(samples, kind));
+    const Candidate candidate = candidate_of(samples, outline, most_isometric_map(samples, kind), aspect);
     if (candidate.texels < best.texels) best = candidate;
   }
   for (float step = 0.4f; step > 0.02f;) {
@@ -159,7 +147,7 @@ glm::mat2 smallest_map(std::span<const SurfaceSample> all, std::span<const glm::
     for (int direction = 0; direction < 8; ++direction) {
       const float angle = std::numbers::pi_v<float> / 4 * static_cast<float>(direction);
       const glm::mat2 shape = stretch_by(step * glm::vec2(std::cos(angle), std::sin(angle))) * before.linear;
-      const Candidate candidate = candidate_of(samples, outline, shape);
+      const Candidate candidate = candidate_of(samples, outline, shape, aspect);
       if (candidate.texels < best.texels) best = candidate;
     }
     if (best.texels > 0.999 * before.texels) step /= 2;
@@ -255,33 +243,37 @@ Stretch greatest_stretch(std::span<const SurfaceSample> samples, const glm::mat2
   return {static_cast<float>(1 / std::max(least.value, 1e-6)), glm::vec2(least.direction)};
 }
 
-float smallest_rectangle(std::span<const glm::vec2> points) {
-  const auto area = [&](float angle) {
-    const glm::vec2 size = rectangle_of(points, turn_by(angle)).size();
-    return static_cast<double>(size.x) * static_cast<double>(size.y);
-  };
-  constexpr float kQuarter = std::numbers::pi_v<float> / 2;
-  float best = 0;
-  double least = kTurnPays * area(0);
-  for (int turn = 1; turn < kTurns; ++turn) {
-    const float angle = kQuarter * static_cast<float>(turn) / kTurns;
-    if (area(angle) < least) least = area(angle), best = angle;
+Rectangle smallest_rectangle(std::span<const glm::vec2> points, float aspect) {
+  constexpr float kHalf = std::numbers::pi_v<float>;
+  Rectangle best;
+  best.texels = 1e300;
+  for (int turn = 0; turn < 2 * kTurns; ++turn) {
+    const float angle = kHalf * static_cast<float>(turn) / (2 * kTurns);
+    const glm::mat2 turned = turn_by(angle);
+    glm::vec2 low(1e30f), high(-1e30f);
+    for (const glm::vec2& p : points) {
+      low = glm::min(low, turned * p);
+      high = glm::max(high, turned * p);
+    }
+    const glm::vec2 size = high - low;
+    if (aspect <= 0 && size.y > size.x * 1.0001f) continue;
+    const float width = std::max(size.x, aspect * size.y), height = aspect > 0 ? width / aspect : size.y;
+    const double texels = static_cast<double>(width) * static_cast<double>(height) * (turn % kTurns == 0 ? kTurnPays : 1);
+    if (texels < best.texels) best = {angle, low, size, texels};
   }
-  const glm::vec2 size = rectangle_of(points, turn_by(best)).size();
-  return size.y > size.x ? best + kQuarter : best;
+  return best;
 }
 
-TextureFit fit_texture(const VisibleSurface& surface, const TextureFitOptions& options) {
+TextureFit fit_texture(const VisibleSurface& surface, const TextureFitOptions& options, float aspect) {
   TextureFit fit;
   fit.cut = {branch_cut(surface, 0), branch_cut(surface, 1)};
   std::vector<glm::vec2> outline = convex_hull(surface.outline(fit.cut));
-  const glm::mat2 stretched = options.texels_per_pixel * smallest_map(surface.samples(), outline, options);
+  const glm::mat2 stretched = options.texels_per_pixel * smallest_map(surface.samples(), outline, options, aspect);
   for (glm::vec2& point : outline) point = stretched * point;
-  const glm::mat2 turn = turn_by(smallest_rectangle(outline));
-  const Rectangle bounds = rectangle_of(outline, turn);
-  fit.linear = turn * stretched;
-  fit.low = bounds.low;
-  fit.size = bounds.size();
+  const Rectangle rectangle = smallest_rectangle(outline, aspect);
+  fit.linear = turn_by(rectangle.turn) * stretched;
+  fit.low = rectangle.low;
+  fit.size = rectangle.size;
   return fit;
 }
 

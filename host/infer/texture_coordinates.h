@@ -21,8 +21,8 @@ struct TextureFit {
   glm::mat2 linear{1};
   glm::vec2 low{0}, size{0};
 };
-// `surface` is visible.
-TextureFit fit_texture(const VisibleSurface& surface, const TextureFitOptions& options);
+// `surface` is visible. `aspect`: width over height of the texture that it must go into, at least 1; 0: any.
+TextureFit fit_texture(const VisibleSurface& surface, const TextureFitOptions& options, float aspect = 0);
 
 // Texels along u and v that the whole domain [0, 1]^2 needs where it is only scaled, to the same options.
 glm::vec2 whole_domain_size(const VisibleSurface& surface, const TextureFitOptions& options);
@@ -51,7 +51,13 @@ struct Stretch {
 };
 Stretch greatest_stretch(std::span<const SurfaceSample> samples, const glm::mat2& linear, float share);
 
-// The turn (anticlockwise, radians in [0, pi)) after which the points' bounding rectangle is smallest and no taller than wide.
-float smallest_rectangle(std::span<const glm::vec2> points);
+// The turn (anticlockwise, radians in [0, pi)) after which the points' bounding rectangle is smallest and no taller than wide;
+// where an aspect is given, the smallest rectangle of that aspect around it.
+struct Rectangle {
+  float turn = 0;
+  glm::vec2 low{0}, size{0};  // of the points
+  double texels = 0;          // of the rectangle that counts
+};
+Rectangle smallest_rectangle(std::span<const glm::vec2> points, float aspect = 0);
 
 }  // namespace vitrine

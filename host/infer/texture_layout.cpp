@@ -51,11 +51,43 @@ int fitted_size(float texels, int max_size) {
   return std::clamp(static_cast<int>(std::ceil(texels / kSizeStep)) * kSizeStep, kSizeStep, limit);
 }
 
-TextureFit fit_states(std::span<const VisibleSurface* const> surfaces, const std::vector<int>& states,
-                      const TextureFitOptions& options) {
+VisibleSurface together_of(std::span<const VisibleSurface* const> surfaces, const std::vector<int>& states) {
   VisibleSurface together;
   for (const int state : states) together.merge(*surfaces[static_cast<size_t>(state)]);
-  return together.visible() ? fit_texture(together, options) : TextureFit{};
+  return together;
+}
+
+std::vector<TextureFit> fit_all(const std::vector<VisibleSurface>& regions, const TextureFitOptions& options, float aspect) {
+  std::vector<TextureFit> fits(regions.size());
+  tbb::parallel_for(size_t{0}, regions.size(), [&](size_t r) {
+    if (regions[r].visible()) fits[r] = fit_texture(regions[r], options, aspect);
+  });
+  return fits;
+}
+
+glm::vec2 largest_size(const std::vector<TextureFit>& fits) {
+  glm::vec2 size(0);
+  for (const TextureFit& fit : fits) size = glm::max(size, fit.size);
+  return size;
+}
+
+float middle_aspect(const std::vector<TextureFit>& fits) {
+  std::vector<float> aspects;
+  for (const TextureFit& fit : fits)
+    if (fit.size.y > 0) aspects.push_back(std::max(1.0f, fit.size.x / fit.size.y));
+  if (aspects.empty()) return 1;
+  std::nth_element(aspects.begin(), aspects.begin() + static_cast<ptrdiff_t>(aspects.size() / 2), aspects.end());
+  return aspects[aspects.size() / 2];
+}
+
+// All textures of a field have one size, so one that is wide beside one that is tall wastes what neither fills: they are also
+// tried at one aspect.
+std::vector<TextureFit> fit_together(const std::vector<VisibleSurface>& regions, const TextureFitOptions& options) {
+  std::vector<TextureFit> free = fit_all(regions, options, 0);
+  if (regions.size() == 1) return free;
+  std::vector<TextureFit> alike = fit_all(regions, options, middle_aspect(free));
+  const auto area = [](const glm::vec2& size) { return size.x * size.y; };
+  return area(largest_size(alike)) < area(largest_size(free)) ? alike : free;
 }
 
 std::vector<int> all_states(size_t count) {
@@ -102,12 +134,10 @@ void lay_out(const StateTable& states, const ParameterSpace& space, std::span<co
   field.block_maps.clear();
   for (const auto& block : blocks)
     field.block_maps.push_back(numbers.emplace(block, static_cast<uint16_t>(numbers.size())).first->second);
-  std::vector<const std::vector<int>*> regions(numbers.size());
-  for (const auto& [region, number] : numbers) regions[number] = &region;
-  std::vector<TextureFit> fits(regions.size());
-  tbb::parallel_for(size_t{0}, regions.size(), [&](size_t r) { fits[r] = fit_states(surfaces, *regions[r], options.fit); });
-  glm::vec2 size(0);
-  for (const TextureFit& fit : fits) size = glm::max(size, fit.size);
+  std::vector<VisibleSurface> regions(numbers.size());
+  for (const auto& [region, number] : numbers) regions[number] = together_of(surfaces, region);
+  const std::vector<TextureFit> fits = fit_together(regions, options.fit);
+  const glm::vec2 size = largest_size(fits);
   field.texture_width = fitted_size(size.x + 2 * kTextureMargin, options.max_size);
   field.texture_height = fitted_size(size.y + 2 * kTextureMargin, options.max_size);
   field.maps.clear();

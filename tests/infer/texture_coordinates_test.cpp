@@ -107,11 +107,14 @@ TEST(TextureCoordinates, ASlantedStripGetsASlantedRectangle) {
   std::vector<glm::vec2> points;
   for (int i = 0; i <= 100; ++i)
     for (int j = 0; j <= 10; ++j) points.push_back(turned(0.6f) * glm::vec2(i, j));
-  const float angle = smallest_rectangle(points);
+  const Rectangle rectangle = smallest_rectangle(points);
   glm::vec2 low(1e9f), high(-1e9f);
-  for (const glm::vec2& p : points) low = glm::min(low, turned(angle) * p), high = glm::max(high, turned(angle) * p);
+  for (const glm::vec2& p : points)
+    low = glm::min(low, turned(rectangle.turn) * p), high = glm::max(high, turned(rectangle.turn) * p);
   EXPECT_NEAR((high - low).x, 100, 1);
   EXPECT_NEAR((high - low).y, 10, 1);
+  EXPECT_NEAR(rectangle.size.x, 100, 1);
+  EXPECT_NEAR(smallest_rectangle(points, 5).texels, 100 * 20, 100);
 }
 
 TEST(TextureCoordinates, ItFillsTheTextureThatItGets) {
