@@ -1,8 +1,6 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 #include "host/infer/axis_smoothing.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <glm/vec4.hpp>
@@ -12,7 +10,6 @@ namespace {
 
 constexpr int kSweeps = 12;     // of Gauss and Seidel: there and back
 constexpr float kHold = 1e-3f;  // precision of what no sample sees: keeps what inference filled in
-constexpr size_t kTexelsAtOnce = 256;
 
 // Pairs of samples of the box, by their place in it.
 std::vector<std::vector<size_t>> neighbours_of(const ParameterSpace& space, const FieldShape::Box& box) {
@@ -48,25 +45,24 @@ std::vector<size_t> parts_of(const std::vector<std::vector<size_t>>& neighbours)
 }
 
 // Drawn towards the mean of what the joined samples determine, from where the sweeps have not far to go.
-void start(const std::vector<size_t>& parts, float strength, size_t first, size_t last, const Texels& inferred,
-           std::vector<SmoothedTexture>& textures) {
-  for (size_t i = first; i < last; ++i) {
+void start(const std::vector<size_t>& parts, float strength, const Texels& inferred, std::vector<SolvedTexture>& textures) {
+  for (size_t i = 0; i < textures[0].texels.size(); ++i) {
     std::vector<glm::vec4> sums(textures.size(), glm::vec4(0));
     for (size_t s = 0; s < textures.size(); ++s)
-      sums[parts[s]] += (textures[s].precision[i] + kHold) * glm::vec4(inferred[s][i - first], 1);
+      sums[parts[s]] += (textures[s].precision[i] + kHold) * glm::vec4(inferred[s][i], 1);
     for (size_t s = 0; s < textures.size(); ++s) {
       const float own = textures[s].precision[i] + kHold;
       const glm::vec4& sum = sums[parts[s]];
-      textures[s].texels[i] = (own * inferred[s][i - first] + strength / sum.w * glm::vec3(sum)) / (own + strength);
+      textures[s].texels[i] = (own * inferred[s][i] + strength / sum.w * glm::vec3(sum)) / (own + strength);
     }
   }
 }
 
-void relax(size_t s, const std::vector<size_t>& neighbours, float strength, size_t first, size_t last, const Texels& inferred,
-           std::vector<SmoothedTexture>& textures) {
-  for (size_t i = first; i < last; ++i) {
+void relax(size_t s, const std::vector<size_t>& neighbours, float strength, const Texels& inferred,
+           std::vector<SolvedTexture>& textures) {
+  for (size_t i = 0; i < textures[0].texels.size(); ++i) {
     const float own = textures[s].precision[i] + kHold;
-    glm::vec3 sum = own * inferred[s][i - first];
+    glm::vec3 sum = own * inferred[s][i];
     for (const size_t t : neighbours) sum += strength * textures[t].texels[i];
     textures[s].texels[i] = sum / (own + strength * static_cast<float>(neighbours.size()));
   }
@@ -75,21 +71,16 @@ void relax(size_t s, const std::vector<size_t>& neighbours, float strength, size
 }  // namespace
 
 void smooth_over_axes(const ParameterSpace& space, const FieldShape::Box& box, float strength,
-                      std::vector<SmoothedTexture>& textures) {
+                      std::vector<SolvedTexture>& textures) {
   const auto neighbours = neighbours_of(space, box);
   const std::vector<size_t> parts = parts_of(neighbours);
-  const size_t texels = textures.empty() ? 0 : textures.front().texels.size();
-  tbb::parallel_for(size_t{0}, (texels + kTexelsAtOnce - 1) / kTexelsAtOnce, [&](size_t part) {
-    const size_t first = part * kTexelsAtOnce, last = std::min(texels, first + kTexelsAtOnce);
-    Texels inferred;
-    for (const SmoothedTexture& t : textures)
-      inferred.emplace_back(t.texels.begin() + static_cast<ptrdiff_t>(first), t.texels.begin() + static_cast<ptrdiff_t>(last));
-    start(parts, strength, first, last, inferred, textures);
-    for (int k = 0; k < kSweeps; ++k) {
-      for (size_t s = 0; s < textures.size(); ++s) relax(s, neighbours[s], strength, first, last, inferred, textures);
-      for (size_t s = textures.size(); s-- > 0;) relax(s, neighbours[s], strength, first, last, inferred, textures);
-    }
-  });
+  Texels inferred;
+  for (const SolvedTexture& t : textures) inferred.push_back(t.texels);
+  start(parts, strength, inferred, textures);
+  for (int k = 0; k < kSweeps; ++k) {
+    for (size_t s = 0; s < textures.size(); ++s) relax(s, neighbours[s], strength, inferred, textures);
+    for (size_t s = textures.size(); s-- > 0;) relax(s, neighbours[s], strength, inferred, textures);
+  }
 }
 
 }  // namespace vitrine

@@ -13,10 +13,10 @@
 
 namespace vitrine {
 
-struct SmoothedTexture {
-  std::vector<glm::vec3> texels;  // in: as inferred; out: smoothed
-  // How much the picture says of each: its row of the normal equations summed (host/infer/solver.h), pixels. An upper bound of
-  // what it determines, so that smoothing gives way to the picture rather than too little.
+// A texture, or a part of one. Its precision (TextureSolver::precision) is an upper bound of what the picture determines, so
+// that smoothing gives way to the picture.
+struct SolvedTexture {
+  std::vector<glm::vec3> texels;
   std::vector<float> precision;
 };
 
@@ -24,6 +24,6 @@ struct SmoothedTexture {
 //   sum_s precision_s |x_s - inferred_s|^2 + strength * sum over neighbours s, t of |x_s - x_t|^2.
 // `textures`: row-major over `box`, all of one size. Samples next to each other along a discrete axis are no neighbours.
 void smooth_over_axes(const ParameterSpace& space, const FieldShape::Box& box, float strength,
-                      std::vector<SmoothedTexture>& textures);
+                      std::vector<SolvedTexture>& textures);
 
 }  // namespace vitrine

@@ -77,13 +77,18 @@ int64_t field_sample_of(const ParameterSpace& space, AxisMask axes, int64_t grid
   return space.restricted(axes).flat_from_index(index);
 }
 
-uint16_t map_number(const Field& field, int64_t flat) {
-  if (field.block_maps.empty()) return 0;
+FieldShape blocks_of(const Field& field) {
   FieldShape shape;
   shape.space = field.space;
   shape.block_size = field.block_size;
   shape.stagger = field.stagger;
-  return field.block_maps[static_cast<size_t>(shape.block_of(field.space.index_from_flat(flat)))];
+  shape.pyramid.cell[0] = field.block_size;
+  return shape;
+}
+
+uint16_t map_number(const Field& field, int64_t flat) {
+  if (field.block_maps.empty()) return 0;
+  return field.block_maps[static_cast<size_t>(blocks_of(field).block_of(field.space.index_from_flat(flat)))];
 }
 
 const TextureMap& map_of(const Field& field, int64_t flat) { return field.maps[map_number(field, flat)]; }

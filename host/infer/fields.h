@@ -31,6 +31,9 @@ StateTable make_states(const ParameterSpace& space, AxisMask geometry_axes);
 // variants, and of the backdrop, only the axes that switch its own material or emission. Axes with one sample never count.
 AxisMask field_axes(const Scene& scene, const Object& object, Layer layer);
 
+// The field's blocks, each with a single node.
+FieldShape blocks_of(const Field& field);
+
 // Which of the field's maps its texture `flat` (in its own space) is laid on by.
 uint16_t map_number(const Field& field, int64_t flat);
 const TextureMap& map_of(const Field& field, int64_t flat);

@@ -12,6 +12,7 @@
 #include "host/infer/light_survey.h"
 #include "host/infer/parameterization.h"
 #include "host/infer/texture_layout.h"
+#include "host/infer/texture_store.h"
 
 namespace vitrine {
 namespace {
@@ -130,6 +131,7 @@ Inference infer_textures(const Scene& scene, const std::vector<StoreKey>& frames
   lay_out_fields(scene, lights, options, geometry.table, surfaces, inference);
   InferenceRun run(scene, frames, store, gpu, options, geometry.table, std::move(geometry.states), inference);
   run.solve_missing(progress);
+  if (options.axis_smoothing > 0) smooth_fields(store, options.axis_smoothing, inference, progress);
   return inference;
 }
 

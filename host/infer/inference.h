@@ -73,7 +73,7 @@ struct Inference {
 // How fine textures are (host/infer/texture_coordinates.h).
 struct TextureFitOptions {
   float stretch_bound = 1.25f;    // output pixels along a texel, at most
-  float stretch_share = 0.95f;    // of what is seen keeps to that; 1: all
+  float stretch_share = 0.90f;    // of what is seen keeps to that; 1: all
   float texels_per_pixel = 1.0f;  // along one dimension: scales the map that keeps to the bound
 };
 
@@ -89,7 +89,8 @@ struct InferenceOptions {
   float range_regularization = 0;                    // e_b (range_penalty.h)
   int iterations = 40;                               // of conjugate gradients, at most
   TextureLayout layout = TextureLayout::kFitted;
-  TextureFitOptions fit;  // texels_per_pixel: before the objects' own scales
+  TextureFitOptions fit;         // texels_per_pixel: before the objects' own scales
+  float axis_smoothing = 0;  // of samples of a block towards each other (host/infer/axis_smoothing.h); 0: none
   int max_texture_size = 1024;
 };
 

@@ -13,6 +13,7 @@
 #include "host/infer/light_survey.h"
 #include "host/infer/rows_of_states.h"
 #include "host/infer/state_objects.h"
+#include "host/infer/texture_store.h"
 
 namespace vitrine {
 namespace {
@@ -379,7 +380,7 @@ void InferenceRun::solve_one(const SolveGroup& group, Progress& progress) const 
   RowsOfStates rows(pyramid_of(group));
   const std::shared_ptr<StateObject>& seen = state_object(group.uses.front().state, group.field, group.map);
   rows.add({seen, &seen->observation});
-  store_textures(group, solver.solve(rows.finish()), progress);
+  store_textures(group, solver.solve(rows.finish()), solver.precision(), progress);
 }
 
 std::vector<std::vector<InferenceRun::Stack*>> InferenceRun::stacks_side_by_side() {
@@ -405,7 +406,8 @@ void InferenceRun::process_stacks(std::span<Stack* const> stacks, StateObjectRea
     const DataTerm& data = rows[i].finish();
     tbb::parallel_for(size_t{0}, stacks[i]->groups.size(), [&](size_t j) {
       const size_t g = stacks[i]->groups[j];
-      store_textures(groups_[g], solvers_[g]->solve(data), progress);
+      const auto textures = solvers_[g]->solve(data);
+      store_textures(groups_[g], textures, solvers_[g]->precision(), progress);
       solvers_[g].reset();
     });
   }
@@ -438,13 +440,10 @@ void InferenceRun::release(std::span<const int> batch) {
 }
 
 void InferenceRun::store_textures(const SolveGroup& group, const std::vector<std::vector<glm::vec3>>& textures,
-                                  Progress& progress) const {
+                                  const std::vector<float>& precision, Progress& progress) const {
   const Field& field = field_of(group);
   for (size_t t = 0; t < textures.size(); ++t) {
-    LayeredImage image{field.texture_width, field.texture_height, {{"B", {}}, {"G", {}}, {"R", {}}}};
-    for (const glm::vec3& texel : textures[t])
-      for (int k = 0; k < 3; ++k) image.planes[static_cast<size_t>(2 - k)].values.push_back(std::min(texel[k], kLargestHalf));
-    store_.save_planes(field.textures[static_cast<size_t>(group.textures[t])], image);
+    save_solved_texture(store_, field.textures[static_cast<size_t>(group.textures[t])], field.size(), {textures[t], precision});
     progress.advance(1);
   }
 }

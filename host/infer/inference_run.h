@@ -66,7 +66,8 @@ class InferenceRun {
   void finish_importance();
 
   void add_use(TextureSolver& solver, const SolveGroup& group, const SolveGroup::Use& use) const;
-  void store_textures(const SolveGroup& group, const std::vector<std::vector<glm::vec3>>& textures, Progress& progress) const;
+  void store_textures(const SolveGroup& group, const std::vector<std::vector<glm::vec3>>& textures,
+                      const std::vector<float>& precision, Progress& progress) const;
   Layer layer_of(const SolveGroup& group) const;
   const Field& field_of(const SolveGroup& group) const { return inference_.fields[static_cast<size_t>(group.field)]; }
   const Pyramid& pyramid_of(const SolveGroup& group) const { return pyramids_[static_cast<size_t>(group.field)]; }

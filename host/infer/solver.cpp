@@ -71,6 +71,7 @@ std::vector<T> push_pull(const Pyramid& pyramid, std::vector<T> sum, std::vector
 
 struct TextureSolver::Base {
   virtual ~Base() = default;
+  std::vector<float> precision;
   virtual void add(const Observation& observation, std::span<const std::vector<glm::vec3>> layers) = 0;
   virtual std::vector<std::vector<glm::vec3>> solve(const DataTerm& data) = 0;
   virtual size_t bytes() const = 0;
@@ -289,6 +290,7 @@ struct TextureSolver::Impl final : TextureSolver::Base {
     std::vector<T> b = std::move(right);
     pyramid.decimate_transposed(b.data());
     pyramid.decimate_transposed(diagonal.data());
+    precision.assign(diagonal.begin(), diagonal.begin() + static_cast<ptrdiff_t>(pyramid.finest_size()));
     std::vector<T> x = push_pull(pyramid, b, diagonal, std::max(strength(), 1e-6f));
     System system{data, std::move(diagonal), {}};
     for (size_t i = 0; i < x.size(); ++i) b[i] += kHold * strength() * x[i];
@@ -334,6 +336,7 @@ void TextureSolver::add(const Observation& observation, std::span<const std::vec
   impl_->add(observation, layers);
 }
 std::vector<std::vector<glm::vec3>> TextureSolver::solve(const DataTerm& data) { return impl_->solve(data); }
+const std::vector<float>& TextureSolver::precision() const { return impl_->precision; }
 size_t TextureSolver::bytes() const { return impl_->bytes(); }
 
 void add_importance(const Observation& observation, float factor, std::vector<float>& all_levels) {

@@ -45,6 +45,9 @@ class TextureSolver {
   // [texture][texel of the finest level], clamped to >= 0. `data`: of all states that were added. Once only: right sides are
   // spent.
   std::vector<std::vector<glm::vec3>> solve(const DataTerm& data);
+  // How much the pixels say of each texel of the finest level: its row of the data term's normal equations, summed; pixels.
+  // After solve().
+  const std::vector<float>& precision() const;
   size_t bytes() const;
 
  private:

@@ -14,14 +14,6 @@ namespace {
 
 constexpr int kSizeStep = 8;
 
-FieldShape blocks_of(const Field& field) {
-  FieldShape shape;
-  shape.space = field.space;
-  shape.block_size = field.block_size;
-  shape.stagger = field.stagger;
-  return shape;
-}
-
 // Samples that a texture of sample `at` along an axis may be shown beside: its neighbours, where there is anything between.
 std::vector<int> beside(const AxisShape& axis, int at) {
   if (axis.kind == AxisKind::kDiscrete) return {at};

@@ -2,30 +2,21 @@
 #include "host/infer/verification.h"
 
 #include <algorithm>
-#include <cstring>
 #include <span>
 
+#include "formats/companding.h"
 #include "host/base/error.h"
 #include "host/infer/geometry_states.h"
 #include "host/infer/lanes.h"
 #include "host/infer/pyramid.h"
 #include "host/infer/test_renderer.h"
+#include "host/infer/texture_store.h"
 #include "target/draw/resolve.h"
 
 namespace vitrine {
 namespace {
 
 constexpr uint16_t kHalfOne = 0x3c00;
-
-// Round to nearest even; the device takes halves where kRgba16f is asked for.
-uint16_t half_from_float(float value) {
-  const float v = std::clamp(value, 0.0f, 65504.0f);
-  if (v < 6.103515625e-05f) return static_cast<uint16_t>(v * 16777216.0f + 0.5f);
-  uint32_t bits;
-  std::memcpy(&bits, &v, sizeof bits);
-  bits += 0xfff + (bits >> 13 & 1);
-  return static_cast<uint16_t>((bits >> 13) - (112u << 10));
-}
 
 std::vector<Lanes<1>> all_levels(const Pyramid& pyramid, const LinearTexture& texture) {
   std::vector<Lanes<1>> texels(pyramid.size());
@@ -43,17 +34,8 @@ bool is_one_of(std::span<const Layer> layers, const Field& field) {
 }  // namespace
 
 LinearTexture load_field_texture(const Store& store, const Field& field, int64_t flat) {
-  const StoreKey& key = field.textures.at(static_cast<size_t>(flat));
-  const auto image = store.load_planes(key);
-  if (!image || image->planes.size() != 3)
-    throw InputError("texture " + key.hex(), "it is not in the store, or damaged",
-                     "run the same command again, which infers what is missing");
-  LinearTexture texture{image->width, image->height, std::vector<glm::vec3>(image->planes[0].values.size())};
-  for (const LayeredImage::Plane& plane : image->planes) {
-    const int k = plane.name == "R" ? 0 : plane.name == "G" ? 1 : 2;
-    for (size_t i = 0; i < texture.texels.size(); ++i) texture.texels[i][k] = plane.values[i];
-  }
-  return texture;
+  return {field.texture_width, field.texture_height,
+          load_solved_texture(store, field.textures.at(static_cast<size_t>(flat))).texels};
 }
 
 std::vector<LaidTexture> load_object_textures(const Store& store, const Scene& scene, const Inference& inference,

@@ -20,18 +20,18 @@ ParameterSpace two_axes(AxisKind lamp = AxisKind::kLinear) {
 }
 constexpr FieldShape::Box kBox{{7, 0}, {7 + kViews - 1, kLamps - 1}};
 
-std::vector<SmoothedTexture> random_textures(size_t texels, float precision) {
+std::vector<SolvedTexture> random_textures(size_t texels, float precision) {
   std::mt19937 random(5);
   std::uniform_real_distribution<float> any(0, 1);
-  std::vector<SmoothedTexture> textures(kViews * kLamps);
-  for (SmoothedTexture& t : textures) {
+  std::vector<SolvedTexture> textures(kViews * kLamps);
+  for (SolvedTexture& t : textures) {
     for (size_t i = 0; i < texels; ++i) t.texels.emplace_back(any(random), any(random), any(random));
     t.precision.assign(texels, precision);
   }
   return textures;
 }
 
-double energy(const std::vector<SmoothedTexture>& from, const std::vector<SmoothedTexture>& to, float strength, size_t texel) {
+double energy(const std::vector<SolvedTexture>& from, const std::vector<SolvedTexture>& to, float strength, size_t texel) {
   double sum = 0;
   const auto square = [](const glm::vec3& d) { return static_cast<double>(d.x * d.x + d.y * d.y + d.z * d.z); };
   for (int v = 0; v < kViews; ++v)
@@ -50,7 +50,7 @@ TEST(AxisSmoothing, WhatNoSampleButOneSeesIsTheSameInAll) {
   textures[4].precision[170] = 1;
   const glm::vec3 seen = textures[4].texels[170];
   smooth_over_axes(two_axes(), kBox, 1, textures);
-  for (const SmoothedTexture& t : textures)
+  for (const SolvedTexture& t : textures)
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(t.texels[170][c], seen[c], 0.05f);
 }
 
@@ -84,7 +84,7 @@ TEST(AxisSmoothing, PositionsOfASwitchAreNotMixed) {
   auto textures = random_textures(10, 0);
   for (int v = 0; v < kViews; ++v)
     for (int l = 0; l < kLamps; ++l) {
-      SmoothedTexture& t = textures[static_cast<size_t>(v * kLamps + l)];
+      SolvedTexture& t = textures[static_cast<size_t>(v * kLamps + l)];
       t.texels.assign(10, glm::vec3(l));
       t.precision.assign(10, v == 0 ? 1.0f : 0.0f);
     }
