@@ -234,6 +234,7 @@ InferenceOptions inference_options(const Scene& scene, int supersampling, Surfac
   options.height = scene.settings.height;
   options.supersampling = supersampling;
   options.filter = filter;
+  options.axis_smoothing = scene.settings.smoothing;
   return options;
 }
 
