@@ -159,15 +159,25 @@ float largest_difference(const StateMatrix& a, const StateMatrix& b) {
   return largest;
 }
 
-std::unique_ptr<MatrixReader> make_matrix_reader(TestRenderer& renderer, std::span<const TextureSize> sizes,
-                                                 const GeometryState& state) {
-  if (renderer.format() == hal::TextureFormat::kRgba8) return std::make_unique<EightBitReader>(renderer, sizes);
+MatrixMethod choose_matrix_method(TestRenderer& renderer, std::span<const TextureSize> sizes, const GeometryState& state) {
+  if (renderer.format() == hal::TextureFormat::kRgba8) return MatrixMethod::kEightBit;
   const GeometryState* const states[] = {&state};
-  auto identifiers = std::make_unique<IdentifierReader>(renderer, sizes);
-  auto coordinates = std::make_unique<CoordinateReader>(renderer, sizes);
-  const bool follows = largest_difference(identifiers->read(states)[0], coordinates->read(states)[0]) <= kSameWeight;
-  if (follows) return coordinates;
-  return identifiers;
+  const StateMatrix shown = IdentifierReader(renderer, sizes).read(states)[0];
+  const bool follows = largest_difference(shown, CoordinateReader(renderer, sizes).read(states)[0]) <= kSameWeight;
+  return follows ? MatrixMethod::kCoordinates : MatrixMethod::kIdentifiers;
+}
+
+std::unique_ptr<MatrixReader> make_matrix_reader(MatrixMethod method, TestRenderer& renderer,
+                                                 std::span<const TextureSize> sizes) {
+  switch (method) {
+    case MatrixMethod::kCoordinates:
+      return std::make_unique<CoordinateReader>(renderer, sizes);
+    case MatrixMethod::kEightBit:
+      return std::make_unique<EightBitReader>(renderer, sizes);
+    case MatrixMethod::kIdentifiers:
+      break;
+  }
+  return std::make_unique<IdentifierReader>(renderer, sizes);
 }
 
 }  // namespace vitrine

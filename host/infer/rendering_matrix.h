@@ -50,9 +50,11 @@ class MatrixReader {
 // The largest difference of two weights of the same texel and sample; infinite where samples or objects differ.
 float largest_difference(const StateMatrix& a, const StateMatrix& b);
 
-// The fastest reader that is right on this device: the 8-bit one where `renderer` draws 8-bit pictures, else by coordinates where
-// they give what identifiers give in `state`. `sizes`: of the texture that each object is drawn with.
-std::unique_ptr<MatrixReader> make_matrix_reader(TestRenderer& renderer, std::span<const TextureSize> sizes,
-                                                 const GeometryState& state);
+enum class MatrixMethod : uint8_t { kIdentifiers, kCoordinates, kEightBit };
+
+// The fastest that is right on this device: 8-bit where `renderer` draws 8-bit pictures, else by coordinates where they give what
+// identifiers give in `state`. `sizes`: of the texture that each object is drawn with.
+MatrixMethod choose_matrix_method(TestRenderer& renderer, std::span<const TextureSize> sizes, const GeometryState& state);
+std::unique_ptr<MatrixReader> make_matrix_reader(MatrixMethod method, TestRenderer& renderer, std::span<const TextureSize> sizes);
 
 }  // namespace vitrine

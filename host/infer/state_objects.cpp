@@ -51,7 +51,8 @@ void StateObjectReader::read(std::span<const Request> requests) {
   for (const Rendering& rendering : renderings) alike[rendering.sizes].push_back(&rendering);
   for (const auto& [sizes, same] : alike) {
     std::unique_ptr<MatrixReader>& reader = readers_[sizes];
-    if (!reader) reader = make_matrix_reader(renderer_, sizes, same.front()->geometry);
+    if (!method_) method_ = choose_matrix_method(renderer_, sizes, same.front()->geometry);
+    if (!reader) reader = make_matrix_reader(*method_, renderer_, sizes);
     std::vector<const GeometryState*> geometry;
     for (const Rendering* rendering : same) geometry.push_back(&rendering->geometry);
     std::vector<StateMatrix> matrices = reader->read(geometry);

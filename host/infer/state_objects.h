@@ -6,6 +6,7 @@
 
 #include <map>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -48,6 +49,7 @@ class StateObjectReader {
  private:
   TestRenderer renderer_;
   std::vector<Placement> usual_;
+  std::optional<MatrixMethod> method_;                                         // chosen by the first rendering
   std::map<std::vector<TextureSize>, std::unique_ptr<MatrixReader>> readers_;  // by the sizes of all objects' textures
 };
 

@@ -313,7 +313,7 @@ TEST_F(MatrixReadersTest, ADeviceWithoutFloatsIsReadWithoutThem) {
   BytesOnlyGpu device(*gpu);
   EXPECT_THROW(TestRenderer(device, options, objects), InputError);
   TestRenderer renderer(device, options, objects, hal::TextureFormat::kRgba8);
-  const auto reader = make_matrix_reader(renderer, sizes, state);
+  const auto reader = make_matrix_reader(choose_matrix_method(renderer, sizes, state), renderer, sizes);
   EXPECT_STREQ(reader->method(), "eight_bit");
   const GeometryState* const states[] = {&state};
   EXPECT_LE(largest_difference(by_identifiers(), reader->read(states)[0]), kTwoSteps);

@@ -123,7 +123,7 @@ TEST_F(RenderingMatrixTest, ADeviceThatFollowsTheFormulaIsReadWithOneRenderingAT
   for (const SurfaceFilter filter : {SurfaceFilter::kTrilinear, SurfaceFilter::kAnisotropic4}) {
     o.filter = filter;
     read(board_and_card(64, 64, 24, 16), o);
-    const auto reader = make_matrix_reader(*renderer, sizes, state);
+    const auto reader = make_matrix_reader(choose_matrix_method(*renderer, sizes, state), *renderer, sizes);
     ASSERT_STREQ(reader->method(), "coordinates");
     const int64_t before = reader->renderings();
     const GeometryState* const states[] = {&state, &state, &state};
