@@ -164,7 +164,7 @@ class Measurement {
       const Place& at = setup_->places.front();
       const Inference inference = infer_textures(*at.scene, {key_}, store_, *gpu_, options_at(at, filter), progress_);
       const std::vector<size_t> measured = measured_of(inference.objects);
-      quality_.matrices.push_back({filter, measure_costs(at, filter, inference)});
+      if (options_.matrices) quality_.matrices.push_back({filter, measure_costs(at, filter, inference)});
       peers.make(inference, measured, progress_);
       if (quality_.objects.empty()) start_pictures(inference.objects, measured);
       for (const TextureMethod method : kTextureMethods) {

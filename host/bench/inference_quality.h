@@ -28,6 +28,7 @@ const char* filter_name(SurfaceFilter filter);  // "bilinear", "trilinear", "ani
 struct InferenceQualityOptions {
   int samples_per_pixel = 256;  // of pictures, evenly; rays of a texel where textures are traced
   std::string object;           // the only one to measure; empty: all that are drawn
+  bool matrices = true;         // also measure every way to read rendering matrices
   std::vector<SurfaceFilter> filters = {SurfaceFilter::kBilinear, SurfaceFilter::kTrilinear, SurfaceFilter::kAnisotropic2,
                                         SurfaceFilter::kAnisotropic4};
 };

@@ -44,6 +44,13 @@ nlohmann::json json_of(const InferenceQuality& quality) {
   return {{"bench", "inference"}, {"rows", rows}, {"matrices", matrices}, {"noise_db", noise}};
 }
 
+std::vector<SurfaceFilter> filters_of(const InferenceQuality& quality) {
+  std::vector<SurfaceFilter> filters;
+  for (const QualityRow& r : quality.rows)
+    if (std::find(filters.begin(), filters.end(), r.filter) == filters.end()) filters.push_back(r.filter);
+  return filters;
+}
+
 // Rows of one object as a table: a line for each method and filter, a column for each place.
 void print_object(const InferenceQuality& quality, const ObjectPictures& object) {
   std::vector<std::string> places;
@@ -53,10 +60,10 @@ void print_object(const InferenceQuality& quality, const ObjectPictures& object)
              "filter");
   for (const std::string& place : places) fmt::print(" {:>10}", place);
   for (const TextureMethod method : kTextureMethods)
-    for (const auto& matrix : quality.matrices) {
-      fmt::print("\n  {:<14} {:<10}", method_name(method), filter_name(matrix.filter));
+    for (const SurfaceFilter filter : filters_of(quality)) {
+      fmt::print("\n  {:<14} {:<10}", method_name(method), filter_name(filter));
       for (const QualityRow& r : quality.rows)
-        if (r.object == object.object && r.method == method && r.filter == matrix.filter) fmt::print(" {:>10.2f}", r.psnr_db);
+        if (r.object == object.object && r.method == method && r.filter == filter) fmt::print(" {:>10.2f}", r.psnr_db);
     }
   fmt::print("\n");
 }
@@ -106,11 +113,11 @@ void BenchInferenceCommand::run() const {
   const auto loaded = load_scene_with(scene, common, [&](Scene& s) { apply_size(s, size); });
   const WorkFolder folder("");
   const InferenceQuality quality =
-      measure_inference(*loaded, {.samples_per_pixel = samples_per_pixel, .object = object}, Store(folder.path()), *progress);
+      measure_inference(*loaded, {.samples_per_pixel = samples_per_pixel, .object = object, .matrices = matrices}, Store(folder.path()), *progress);
   if (!sheet.empty()) write_method_sheet(sheet, quality);
   if (common.json) return print_json(json_of(quality));
   for (const ObjectPictures& o : quality.objects) print_object(quality, o);
-  print_matrices(quality);
+  if (matrices) print_matrices(quality);
 }
 
 }  // namespace vitrine

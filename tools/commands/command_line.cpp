@@ -103,6 +103,7 @@ void add_bench_inference(CLI::App& bench, BenchInferenceCommand& options) {
   command->add_option("--object", options.object, "The only object to measure (default: all that are drawn)")->check(kNotEmpty);
   command->add_option("--size", options.size, "WIDTHxHEIGHT instead of the scene's")->check(kNotEmpty);
   command->add_option("--spp", options.samples_per_pixel, "Camera rays of every pixel, and rays of every texel that is traced directly")->capture_default_str()->check(CLI::Range(1, 1 << 16));
+  command->add_flag("--matrices", options.matrices, "Also read the rendering matrix in every way there is, which takes minutes, and compare cost and result");
   command->add_option("--sheet", options.sheet, "Write a contact sheet (PNG): truth and the three methods, trilinear and with 4 taps")->check(kNotEmpty);
   add_common_options(*command, options.common);
   command->footer("Example: vitrine bench inference shop --size 320x240 --sheet methods.png");
@@ -132,6 +133,15 @@ void add_bench_inference_cost(CLI::App& bench, BenchInferenceCostCommand& option
   command->footer("Example: vitrine bench inference-cost shop --plot cost.svg");
 }
 
+void add_bench_smoothing(CLI::App& bench, BenchSmoothingCommand& options) {
+  CLI::App* command = bench.add_subcommand("smoothing", "What smoothing textures over the axes takes from the samples and gives between them, in images of one size");
+  command->add_option("SCENE", options.scene, "Folder with scene.toml, or a .toml file")->required()->check(kNotEmpty);
+  command->add_option("--preset", options.preset, "As in compile")->capture_default_str()->check(CLI::IsMember({"tiny", "small", "full"}));
+  command->add_option("--work", options.work, "Folder for frames and textures (default: one that is removed afterwards)")->check(kNotEmpty);
+  add_common_options(*command, options.common);
+  command->footer("Example: vitrine bench smoothing shop --work shop.work");
+}
+
 std::string name_of_command(const CLI::App& app) {
   const std::vector<CLI::App*> commands = app.get_subcommands();
   return commands.empty() ? "vitrine" : "vitrine " + commands.front()->get_name();
@@ -153,6 +163,7 @@ struct Commands {
   BenchInferenceCommand bench_inference;
   BenchCoordinatesCommand bench_coordinates;
   BenchInferenceCostCommand bench_inference_cost;
+  BenchSmoothingCommand bench_smoothing;
 };
 
 std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
@@ -165,6 +176,7 @@ std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
   if (app.get_subcommand("bench")->got_subcommand("inference")) return [command = commands.bench_inference] { command.run(); };
   if (app.get_subcommand("bench")->got_subcommand("coordinates")) return [command = commands.bench_coordinates] { command.run(); };
   if (app.get_subcommand("bench")->got_subcommand("inference-cost")) return [command = commands.bench_inference_cost] { command.run(); };
+  if (app.get_subcommand("bench")->got_subcommand("smoothing")) return [command = commands.bench_smoothing] { command.run(); };
   return [command = commands.bench_trace] { command.run(); };
 }
 
@@ -189,6 +201,7 @@ std::function<void()> parse_command_line(int argc, char** argv) {
   add_bench_inference(*bench, commands.bench_inference);
   add_bench_coordinates(*bench, commands.bench_coordinates);
   add_bench_inference_cost(*bench, commands.bench_inference_cost);
+  add_bench_smoothing(*bench, commands.bench_smoothing);
   // CLI11 would only say that a subcommand is missing.
   if (argc > 1 && argv[1][0] != '-' && !has_command(app, argv[1]))
     throw UsageError(std::string("there is no command \"") + argv[1] + "\": use new, render, compile, inspect, verify or bench: see vitrine --help");

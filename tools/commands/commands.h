@@ -72,6 +72,7 @@ struct BenchNoiseCommand {
 struct BenchInferenceCommand {
   std::string scene, object, size, sheet;
   int samples_per_pixel = 256;
+  bool matrices = false;
   CommonOptions common;
   void run() const;
 };
@@ -86,6 +87,12 @@ struct BenchCoordinatesCommand {
 struct BenchInferenceCostCommand {
   std::string scene, size, plot, work;
   bool no_trace = false, no_scaling = false, whole = false;
+  CommonOptions common;
+  void run() const;
+};
+
+struct BenchSmoothingCommand {
+  std::string scene, preset = "small", work;
   CommonOptions common;
   void run() const;
 };
