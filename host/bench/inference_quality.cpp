@@ -2,6 +2,7 @@
 #include "host/bench/inference_quality.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
 
@@ -12,7 +13,9 @@
 #include "host/bench/object_pictures.h"
 #include "host/bench/traced_textures.h"
 #include "host/infer/geometry_states.h"
+#include "host/infer/texture_store.h"
 #include "host/infer/verification.h"
+#include "host/verify/reference.h"
 
 namespace vitrine {
 namespace {
@@ -91,6 +94,23 @@ Placement placement_of(const Inference& inference, size_t object) {
   return {};
 }
 
+constexpr std::array<uint8_t, 3> kPink = {255, 105, 180};
+constexpr float kDetermined = 0.01f;  // pixels
+
+TexturePictures texture_pictures(const std::string& object, const Field& field, const SolvedTexture& texture, float exposure) {
+  Picture whole{field.texture_width, field.texture_height, {}}, determined = whole;
+  for (int y = field.texture_height - 1; y >= 0; --y)
+    for (int x = 0; x < field.texture_width; ++x) {
+      const auto i = static_cast<size_t>(y) * static_cast<size_t>(field.texture_width) + static_cast<size_t>(x);
+      for (size_t c = 0; c < 3; ++c) {
+        const uint8_t code = srgb8_from_radiance(exposure * texture.texels[i][static_cast<int>(c)]);
+        whole.rgb.push_back(code);
+        determined.rgb.push_back(texture.precision[i] > kDetermined ? code : kPink[c]);
+      }
+    }
+  return {object, field.layer, std::move(determined), std::move(whole)};
+}
+
 // Textures that do not depend on the filter, made anew only where the filter has changed how the domain is cut.
 class PeerTextures {
  public:
@@ -166,7 +186,10 @@ class Measurement {
       const std::vector<size_t> measured = measured_of(inference.objects);
       if (options_.matrices) quality_.matrices.push_back({filter, measure_costs(at, filter, inference)});
       peers.make(inference, measured, progress_);
-      if (quality_.objects.empty()) start_pictures(inference.objects, measured);
+      if (quality_.objects.empty()) {
+        start_pictures(inference.objects, measured);
+        for (const size_t i : measured) show_textures(inference, i);
+      }
       for (const TextureMethod method : kTextureMethods) {
         std::vector<std::vector<LaidTexture>> textures;
         for (size_t n = 0; n < measured.size(); ++n) textures.push_back(textures_by(method, inference, measured[n], peers, n));
@@ -229,6 +252,13 @@ class Measurement {
       quality_.objects.push_back(
           {scene_.objects[static_cast<size_t>(objects[i].object)].name, psnr_of(truth, other), crop_of(truth), {}});
     }
+  }
+
+  void show_textures(const Inference& inference, size_t object) {
+    const std::string& name = scene_.objects[static_cast<size_t>(inference.objects[object].object)].name;
+    for (const Field& field : inference.fields)
+      if (field.drawn_object == static_cast<int>(object))
+        quality_.textures.push_back(texture_pictures(name, field, load_solved_texture(store_, field.textures.front()), exposure()));
   }
 
   void draw_all(const Place& place, TextureMethod method, SurfaceFilter filter, std::span<const DrawnObject> objects,

@@ -56,9 +56,17 @@ struct ObjectPictures {
   std::vector<Drawn> drawn;  // filter by filter
 };
 
+// An inferred texture, rows v = 1 first.
+struct TexturePictures {
+  std::string object, layer;
+  Picture determined;  // pink where no pixel says anything of a texel
+  Picture whole;       // as regularization fills it
+};
+
 struct InferenceQuality {
   std::vector<QualityRow> rows;  // filter by filter, in each method by method, in each place by place
   std::vector<ObjectPictures> objects;
+  std::vector<TexturePictures> textures;  // through the first filter
   struct Matrix {
     SurfaceFilter filter;
     std::vector<MatrixCost> costs;  // a method each

@@ -104,10 +104,22 @@ void write_method_sheet(const std::string& file, const InferenceQuality& quality
   write_picture_rows(file, rows);
 }
 
+// A row a texture.
+void write_texture_sheet(const std::string& file, const InferenceQuality& quality) {
+  int width = 0, height = 0;
+  for (const TexturePictures& t : quality.textures)
+    width = std::max(width, t.whole.width), height = std::max(height, t.whole.height);
+  std::vector<std::vector<Picture>> rows;
+  for (const TexturePictures& t : quality.textures)
+    rows.push_back({padded(t.determined, width, height), padded(t.whole, width, height)});
+  write_picture_rows(file, rows);
+}
+
 }  // namespace
 
 void BenchInferenceCommand::run() const {
-  if (!sheet.empty()) check_output_file(sheet);
+  for (const std::string& file : {sheet, textures})
+    if (!file.empty()) check_output_file(file);
   const auto jobs = limit_jobs(common);
   const auto progress = make_progress(common);
   const auto loaded = load_scene_with(scene, common, [&](Scene& s) { apply_size(s, size); });
@@ -115,6 +127,7 @@ void BenchInferenceCommand::run() const {
   const InferenceQuality quality =
       measure_inference(*loaded, {.samples_per_pixel = samples_per_pixel, .object = object, .matrices = matrices}, Store(folder.path()), *progress);
   if (!sheet.empty()) write_method_sheet(sheet, quality);
+  if (!textures.empty()) write_texture_sheet(textures, quality);
   if (common.json) return print_json(json_of(quality));
   for (const ObjectPictures& o : quality.objects) print_object(quality, o);
   if (matrices) print_matrices(quality);

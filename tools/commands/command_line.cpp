@@ -105,6 +105,7 @@ void add_bench_inference(CLI::App& bench, BenchInferenceCommand& options) {
   command->add_option("--spp", options.samples_per_pixel, "Camera rays of every pixel, and rays of every texel that is traced directly")->capture_default_str()->check(CLI::Range(1, 1 << 16));
   command->add_flag("--matrices", options.matrices, "Also read the rendering matrix in every way there is, which takes minutes, and compare cost and result");
   command->add_option("--sheet", options.sheet, "Write a contact sheet (PNG): truth and the three methods, trilinear and with 4 taps")->check(kNotEmpty);
+  command->add_option("--textures", options.textures, "Write the inferred textures (PNG): what pixels determine, and with what regularization fills in")->check(kNotEmpty);
   add_common_options(*command, options.common);
   command->footer("Example: vitrine bench inference shop --size 320x240 --sheet methods.png");
 }

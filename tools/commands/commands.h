@@ -70,7 +70,7 @@ struct BenchNoiseCommand {
 };
 
 struct BenchInferenceCommand {
-  std::string scene, object, size, sheet;
+  std::string scene, object, size, sheet, textures;
   int samples_per_pixel = 256;
   bool matrices = false;
   CommonOptions common;
