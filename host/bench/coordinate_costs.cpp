@@ -78,6 +78,10 @@ std::optional<double> texels_for(const std::vector<TexelPoint>& points, double p
   return std::nullopt;
 }
 
+std::vector<TexelPoint>& points_of(CoordinateCost& cost, TextureLayout layout) {
+  return layout == TextureLayout::kFitted ? cost.fitted : layout == TextureLayout::kWholeDomain ? cost.whole : cost.square;
+}
+
 }  // namespace
 
 std::vector<CoordinateCost> measure_coordinates(const Scene& whole_scene, int views, int samples_per_pixel, const Store& store,
@@ -87,14 +91,14 @@ std::vector<CoordinateCost> measure_coordinates(const Scene& whole_scene, int vi
   auto gpu = hal::create_osmesa_gpu(scene.settings.width, scene.settings.height);
   if (!gpu.ok()) throw InputError("OSMesa", gpu.status().detail(), "install the packages of tools/packages.txt");
   std::map<int, CoordinateCost> costs;
-  for (const TextureLayout layout : {TextureLayout::kFitted, TextureLayout::kWholeDomain})
+  for (const TextureLayout layout : {TextureLayout::kFitted, TextureLayout::kWholeDomain, TextureLayout::kSquareDomain})
     for (const float scale : kScales) {
       InferenceOptions options = inference_options(scene, kSupersampling);
       options.layout = layout;
       options.fit.texels_per_pixel *= scale;
       options.max_texture_size = 4096;
       for (const auto& [object, point] : measure(scene, frames, options, store, *gpu.value(), progress))
-        (layout == TextureLayout::kFitted ? costs[object].fitted : costs[object].whole).push_back(point);
+        points_of(costs[object], layout).push_back(point);
     }
   const Pose pose = pose_scene(scene, scene.space().position_of({}));
   std::vector<CoordinateCost> result;
@@ -103,7 +107,8 @@ std::vector<CoordinateCost> measure_coordinates(const Scene& whole_scene, int vi
     cost.object = scene.objects[number].name;
     cost.artists = is_proper_parameterization(scene.objects[number].geometry, world_from_object(scene, pose, object));
     cost.compared = cost.fitted[kOwnScale];
-    cost.texels_needed = texels_for(cost.whole, cost.compared.psnr_db);
+    cost.whole_needs = texels_for(cost.whole, cost.compared.psnr_db);
+    cost.square_needs = texels_for(cost.square, cost.compared.psnr_db);
     result.push_back(std::move(cost));
   }
   return result;

@@ -22,10 +22,10 @@ struct TexelPoint {
 struct CoordinateCost {
   std::string object;
   bool artists = false;  // the mesh's own coordinates are the artist's; else they are charts (host/infer/parameterization.h)
-  std::vector<TexelPoint> fitted, whole;  // at growing resolutions
-  TexelPoint compared;                    // fitted, at the scene's own resolution
-  // Of `whole` for the PSNR of `compared`, between its points; none: not reached within them.
-  std::optional<double> texels_needed;
+  std::vector<TexelPoint> fitted, whole, square;  // at growing resolutions
+  TexelPoint compared;                            // fitted, at the scene's own resolution
+  // Of `whole` and `square` for the PSNR of `compared`, between their points; none: not reached within them.
+  std::optional<double> whole_needs, square_needs;
 };
 
 // Over `views` samples, one block, in the middle of the axis that moves the camera (host/bench/frozen_scene.h).

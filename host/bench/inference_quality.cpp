@@ -186,10 +186,9 @@ class Measurement {
       const std::vector<size_t> measured = measured_of(inference.objects);
       if (options_.matrices) quality_.matrices.push_back({filter, measure_costs(at, filter, inference)});
       peers.make(inference, measured, progress_);
-      if (quality_.objects.empty()) {
-        start_pictures(inference.objects, measured);
+      if (quality_.objects.empty()) start_pictures(inference.objects, measured);
+      if (filter == SurfaceFilter::kTrilinear)
         for (const size_t i : measured) show_textures(inference, i);
-      }
       for (const TextureMethod method : kTextureMethods) {
         std::vector<std::vector<LaidTexture>> textures;
         for (size_t n = 0; n < measured.size(); ++n) textures.push_back(textures_by(method, inference, measured[n], peers, n));

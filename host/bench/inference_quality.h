@@ -66,7 +66,7 @@ struct TexturePictures {
 struct InferenceQuality {
   std::vector<QualityRow> rows;  // filter by filter, in each method by method, in each place by place
   std::vector<ObjectPictures> objects;
-  std::vector<TexturePictures> textures;  // through the first filter
+  std::vector<TexturePictures> textures;  // through the trilinear filter, where it is measured
   struct Matrix {
     SurfaceFilter filter;
     std::vector<MatrixCost> costs;  // a method each

@@ -78,8 +78,11 @@ struct TextureFitOptions {
 };
 
 enum class TextureLayout : uint8_t {
-  kFitted,       // a map for what each block shows
-  kWholeDomain,  // the mesh's own coordinates as they are: what fitted ones are measured against
+  kFitted,  // a map for what each block shows
+  // What fitted ones are measured against: the mesh's own coordinates as they are, in a texture of the shape that suits them
+  // best, and in a square one, as artists paint it.
+  kWholeDomain,
+  kSquareDomain,
 };
 
 struct InferenceOptions {
@@ -89,7 +92,7 @@ struct InferenceOptions {
   float range_regularization = 0;                    // e_b (range_penalty.h)
   int iterations = 40;                               // of conjugate gradients, at most
   TextureLayout layout = TextureLayout::kFitted;
-  TextureFitOptions fit;         // texels_per_pixel: before the objects' own scales
+  TextureFitOptions fit;     // texels_per_pixel: before the objects' own scales
   float axis_smoothing = 0;  // of samples of a block towards each other (host/infer/axis_smoothing.h); 0: none
   int max_texture_size = 1024;
 };

@@ -18,7 +18,7 @@
 namespace vitrine {
 namespace {
 
-constexpr int kInferenceVersion = 8;  // changes whenever the same input would give other textures
+constexpr int kInferenceVersion = 9;  // changes whenever the same input would give other textures
 constexpr size_t kBatch = 8;          // states read at once, if what they take stays below
 constexpr size_t kBatchBytes = size_t{256} << 20;
 constexpr size_t kFramePixelBytes = 40;             // of a loaded frame: the picture, and layers of about one object a pixel

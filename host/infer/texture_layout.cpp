@@ -91,7 +91,8 @@ std::vector<int> all_states(size_t count) {
 void lay_out_whole(std::span<const VisibleSurface* const> surfaces, const LayoutOptions& options, Field& field) {
   VisibleSurface together;
   for (const VisibleSurface* surface : surfaces) together.merge(*surface);
-  const glm::vec2 size = together.visible() ? whole_domain_size(together, options.fit) : glm::vec2(0);
+  glm::vec2 size = together.visible() ? whole_domain_size(together, options.fit) : glm::vec2(0);
+  if (options.layout == TextureLayout::kSquareDomain) size = glm::vec2(std::max(size.x, size.y));
   field.texture_width = fitted_size(size.x, options.max_size);
   field.texture_height = fitted_size(size.y, options.max_size);
   field.maps.resize(1);
@@ -119,7 +120,7 @@ std::vector<std::vector<int>> states_of_blocks(const StateTable& states, const P
 
 void lay_out(const StateTable& states, const ParameterSpace& space, std::span<const VisibleSurface* const> surfaces,
              const LayoutOptions& options, Field& field) {
-  if (options.layout == TextureLayout::kWholeDomain) return lay_out_whole(surfaces, options, field);
+  if (options.layout != TextureLayout::kFitted) return lay_out_whole(surfaces, options, field);
   std::vector<std::vector<int>> blocks = states_of_blocks(states, space, field);
   if (options.one_map) blocks.assign(1, all_states(surfaces.size()));
   std::map<std::vector<int>, uint16_t> numbers;

@@ -18,24 +18,40 @@ nlohmann::json json_of(const std::vector<TexelPoint>& points) {
   return list;
 }
 
+nlohmann::json json_of(const std::optional<double>& number) { return number ? nlohmann::json(*number) : nlohmann::json(); }
+
 nlohmann::json json_of(const CoordinateCost& cost) {
-  nlohmann::json row = {{"object", cost.object},
-                        {"coordinates", cost.artists ? "artist" : "charts"},
-                        {"psnr_db", cost.compared.psnr_db},
-                        {"texels", cost.compared.texels},
-                        {"fitted", json_of(cost.fitted)},
-                        {"whole", json_of(cost.whole)}};
-  row["texels_whole"] = cost.texels_needed ? nlohmann::json(*cost.texels_needed) : nlohmann::json();
-  row["ratio"] = cost.texels_needed ? nlohmann::json(cost.compared.texels / *cost.texels_needed) : nlohmann::json();
-  return row;
+  return {{"object", cost.object},
+          {"coordinates", cost.artists ? "artist" : "charts"},
+          {"psnr_db", cost.compared.psnr_db},
+          {"texels", cost.compared.texels},
+          {"texels_whole", json_of(cost.whole_needs)},
+          {"texels_square", json_of(cost.square_needs)},
+          {"fitted", json_of(cost.fitted)},
+          {"whole", json_of(cost.whole)},
+          {"square", json_of(cost.square)}};
 }
 
-void print_cost(const CoordinateCost& cost) {
-  const bool reached = cost.texels_needed.has_value();
-  const double whole = reached ? *cost.texels_needed : cost.whole.back().texels;
-  fmt::print("{:<16} {:<8} {:>8.2f} {:>10.0f} {:>2}{:>10.0f} {:>2}{:>6.1f} %\n", cost.object, cost.artists ? "artist" : "charts",
-             cost.compared.psnr_db, cost.compared.texels, reached ? "" : ">", whole, reached ? "" : "<",
-             100 * cost.compared.texels / whole);
+// What the mesh's own coordinates need, and the share of it that fitted ones do.
+std::string needs(double fitted, const std::optional<double>& own, const std::vector<TexelPoint>& points) {
+  const double texels = own ? *own : points.back().texels;
+  return fmt::format("{:>1}{:>9.0f} {:>1}{:>5.1f} %", own ? "" : ">", texels, own ? "" : "<", 100 * fitted / texels);
+}
+
+void print_costs(const std::vector<CoordinateCost>& costs) {
+  fmt::print("texels of a sample with fitted texture coordinates, and with the mesh's own for the same PSNR\n");
+  fmt::print("{:<16} {:<8} {:>8} {:>10}   {:<19}   {:<19}\n", "object", "mesh's", "PSNR, dB", "fitted", "own, any shape", "own, square");
+  double fitted = 0;
+  std::optional<double> whole = 0.0, square = 0.0;
+  for (const CoordinateCost& cost : costs) {
+    fmt::print("{:<16} {:<8} {:>8.2f} {:>10.0f}   {:<19}   {:<19}\n", cost.object, cost.artists ? "artist" : "charts",
+               cost.compared.psnr_db, cost.compared.texels, needs(cost.compared.texels, cost.whole_needs, cost.whole),
+               needs(cost.compared.texels, cost.square_needs, cost.square));
+    fitted += cost.compared.texels;
+    *whole += cost.whole_needs.value_or(cost.whole.back().texels);
+    *square += cost.square_needs.value_or(cost.square.back().texels);
+  }
+  fmt::print("{:<16} {:<8} {:>8} {:>10.0f}   {:<19}   {:<19}\n", "all", "", "", fitted, needs(fitted, whole, {}), needs(fitted, square, {}));
 }
 
 }  // namespace
@@ -51,9 +67,7 @@ void BenchCoordinatesCommand::run() const {
     for (const CoordinateCost& cost : costs) rows.push_back(json_of(cost));
     return print_json({{"bench", "coordinates"}, {"rows", rows}});
   }
-  fmt::print("texels of a sample with fitted texture coordinates, and with the mesh's own for the same PSNR\n");
-  fmt::print("{:<16} {:<8} {:>8} {:>10} {:>12} {:>9}\n", "object", "mesh's", "PSNR, dB", "fitted", "mesh's own", "share");
-  for (const CoordinateCost& cost : costs) print_cost(cost);
+  print_costs(costs);
 }
 
 }  // namespace vitrine
