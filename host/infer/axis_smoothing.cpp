@@ -30,7 +30,7 @@ std::vector<std::vector<size_t>> neighbours_of(const ParameterSpace& space, cons
   return neighbours;
 }
 
-using Texels = std::vector<std::vector<glm::vec3>>;  // per sample
+using TexelsOfSamples = std::vector<std::vector<glm::vec3>>;
 
 // Samples that chains of neighbours join have the same number: that of the first of them.
 std::vector<size_t> parts_of(const std::vector<std::vector<size_t>>& neighbours) {
@@ -45,7 +45,8 @@ std::vector<size_t> parts_of(const std::vector<std::vector<size_t>>& neighbours)
 }
 
 // Drawn towards the mean of what the joined samples determine, from where the sweeps have not far to go.
-void start(const std::vector<size_t>& parts, float strength, const Texels& inferred, std::vector<SolvedTexture>& textures) {
+void start(const std::vector<size_t>& parts, float strength, const TexelsOfSamples& inferred,
+           std::vector<SolvedTexture>& textures) {
   for (size_t i = 0; i < textures[0].texels.size(); ++i) {
     std::vector<glm::vec4> sums(textures.size(), glm::vec4(0));
     for (size_t s = 0; s < textures.size(); ++s)
@@ -58,7 +59,7 @@ void start(const std::vector<size_t>& parts, float strength, const Texels& infer
   }
 }
 
-void relax(size_t s, const std::vector<size_t>& neighbours, float strength, const Texels& inferred,
+void relax(size_t s, const std::vector<size_t>& neighbours, float strength, const TexelsOfSamples& inferred,
            std::vector<SolvedTexture>& textures) {
   for (size_t i = 0; i < textures[0].texels.size(); ++i) {
     const float own = textures[s].precision[i] + kHold;
@@ -74,7 +75,7 @@ void smooth_over_axes(const ParameterSpace& space, const FieldShape::Box& box, f
                       std::vector<SolvedTexture>& textures) {
   const auto neighbours = neighbours_of(space, box);
   const std::vector<size_t> parts = parts_of(neighbours);
-  Texels inferred;
+  TexelsOfSamples inferred;
   for (const SolvedTexture& t : textures) inferred.push_back(t.texels);
   start(parts, strength, inferred, textures);
   for (int k = 0; k < kSweeps; ++k) {

@@ -89,11 +89,18 @@ std::vector<int64_t> samples_in(const ParameterSpace& space, const FieldShape::B
   return samples;
 }
 
-StoreKey smoothed_key(std::span<const StoreKey> keys, size_t texture, float strength) {
+// Which samples are neighbours depends on the block's shape and on the kinds of its axes, which the textures' own keys do not
+// tell.
+StoreKey smoothed_key(const ParameterSpace& space, const FieldShape::Box& box, std::span<const StoreKey> keys, size_t texture,
+                      float strength) {
   KeyBuilder key;
   key.text("smoothed texture");
   key.integer(kSmoothingVersion);
   key.number(static_cast<double>(strength));
+  for (size_t a = 0; a < static_cast<size_t>(space.axis_count); ++a) {
+    key.integer(static_cast<int64_t>(space.axes[a].kind));
+    key.integer(box.last[a] - box.first[a] + 1);
+  }
   for (const StoreKey& k : keys) key.text(k.hex());
   key.integer(static_cast<int64_t>(texture));
   return key.finish();
@@ -110,7 +117,7 @@ struct BlockJob {
 BlockJob make_job(const Store& store, float strength, const FieldShape::Box& box, Field& field) {
   BlockJob job{&field, box, samples_in(field.space, box), {}, {}};
   for (const int64_t sample : job.samples) job.from.push_back(field.textures[static_cast<size_t>(sample)]);
-  for (size_t t = 0; t < job.from.size(); ++t) job.to.push_back(smoothed_key(job.from, t, strength));
+  for (size_t t = 0; t < job.from.size(); ++t) job.to.push_back(smoothed_key(field.space, box, job.from, t, strength));
   job.found = std::all_of(job.to.begin(), job.to.end(), [&](const StoreKey& key) { return store.has_planes(key); });
   return job;
 }

@@ -94,6 +94,7 @@ struct NumberedPicture {
     std::vector<bool> met(object.indices.size() / 3);
     size_t current = met.size();
     std::optional<TriangleProjection> projection;
+    std::optional<SurfaceSample> first;
     for (const size_t place : shown) {
       const size_t triangle =
           static_cast<size_t>(pixels[place].x + 0.5f) + kNumbersInRow * static_cast<size_t>(pixels[place].y + 0.5f);
@@ -102,11 +103,13 @@ struct NumberedPicture {
       const glm::ivec2 at(place % static_cast<size_t>(width), place / static_cast<size_t>(width));
       const SurfaceSample sample = projection->at(2.0f * (glm::vec2(at) + 0.5f) / size - 1.0f, pixel);
       if (!is_finite(sample)) continue;
+      if (!first) first = sample;
       seen[static_cast<size_t>(cell_of(sample.uv.y))].set(static_cast<size_t>(cell_of(sample.uv.x)));
       if (at.x % stride == 0 && at.y % stride == 0) surface.add_sample(sample);
       if (!met[triangle]) meet(object, triangle, surface);
       met[triangle] = true;
     }
+    if (first && surface.samples().empty()) surface.add_sample(*first);  // wires that all stand between the strides
     for (int row = 0; row < VisibleSurface::kCells; ++row) surface.see(row, seen[static_cast<size_t>(row)]);
   }
 

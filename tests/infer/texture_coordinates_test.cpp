@@ -181,6 +181,28 @@ TEST_F(SurveyTest, PlacesAndTheirChangeAreWhatTheDeviceInterpolates) {
   for (const hal::Texture texture : textures) gpu->destroy(texture);
 }
 
+// 214 wires, each a supersample wide, none of them in a column that samples are taken from.
+TEST(TextureCoordinates, AFenceThatSlipsThroughTheStrideIsFitted) {
+  const InferenceOptions options{.width = 640, .height = 480};
+  auto gpu = make_gpu();
+  ASSERT_NE(gpu, nullptr);
+  std::vector<DrawnObject> fence(1);
+  for (int column = 1; column < 1280; column += 6) {
+    const float left = static_cast<float>(column) / 640 - 1, right = static_cast<float>(column + 1) / 640 - 1;
+    const float u = static_cast<float>(column) / 1280;
+    const auto first = static_cast<uint32_t>(fence[0].vertices.size());
+    for (const MeshVertex& v : {MeshVertex{left, -1, 0, u, 0}, MeshVertex{right, -1, 0, u + 1.0f / 1280, 0},
+                                MeshVertex{right, 1, 0, u + 1.0f / 1280, 1}, MeshVertex{left, 1, 0, u, 1}})
+      fence[0].vertices.push_back(v);
+    for (const uint32_t corner : {0u, 1u, 2u, 0u, 2u, 3u}) fence[0].indices.push_back(first + corner);
+  }
+  const std::vector<GeometryState> states{{{glm::mat4(1)}, {0}, {}}};
+  const auto surfaces = survey_surfaces(*gpu, options, fence, states);
+  ASSERT_TRUE(surfaces[0][0].visible());
+  ASSERT_FALSE(surfaces[0][0].samples().empty());
+  EXPECT_GT(fit_texture(surfaces[0][0], {}).size.x, 0);
+}
+
 Field field_of(const Scene& scene, AxisMask axes) {
   Field field;
   field.axes = axes;
