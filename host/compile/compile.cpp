@@ -104,8 +104,10 @@ double mean_pixels(const Field& field) {
 // an object's error counts for less than its pixels, but for more than the object itself: as their power of 2/3.
 std::vector<float> attention(const Inference& inference) {
   std::vector<double> pixels(inference.objects.size());
-  for (const Field& field : inference.fields)
-    pixels[static_cast<size_t>(field.drawn_object)] = mean_pixels(field);
+  for (const Field& field : inference.fields) {
+    double& own = pixels[static_cast<size_t>(field.drawn_object)];
+    own = std::max(own, mean_pixels(field));
+  }
   const double mean =
       std::accumulate(pixels.begin(), pixels.end(), 0.0) / static_cast<double>(std::max<size_t>(1, pixels.size()));
   std::vector<float> factors;

@@ -115,7 +115,10 @@ std::optional<std::string> read_sealed(const std::filesystem::path& path) {
   if (!size) return {};
   std::string content(*size, '\0');
   if (!read_all(file.fd, content.data(), *size, 0)) return {};
-  if (seal_of(content, *size).hash != seal.hash) return {};
+  if (seal_of(content, *size).hash != seal.hash) {
+    ::unlink(path.c_str());  // has_sealed does not read it all: gone, it is made again
+    return {};
+  }
   return content;
 }
 

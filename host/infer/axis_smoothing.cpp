@@ -9,7 +9,7 @@ namespace vitrine {
 namespace {
 
 constexpr int kSweeps = 12;     // of Gauss and Seidel: there and back
-constexpr float kHold = 1e-3f;  // precision of what no sample sees: keeps what inference filled in
+constexpr float kHold = 1e-4f;  // precision of what no sample sees: keeps what inference filled in
 
 // Pairs of samples of the box, by their place in it.
 std::vector<std::vector<size_t>> neighbours_of(const ParameterSpace& space, const FieldShape::Box& box) {

@@ -15,6 +15,7 @@ namespace {
 constexpr size_t kFewSamples = 20000, kSearchedSamples = 2500;  // enough to fit four numbers
 constexpr int kIterations = 60;                                 // of conjugate gradients
 constexpr int kStretchSteps = 100;
+constexpr int kSmallestGap = 4;  // cells
 constexpr double kLargestStretch = 1e4;  // square pixels: what has no area in the texture counts no more
 constexpr int kTurns = 90;               // directions of rectangles in a quarter turn
 // A turned texture costs the coder more than the texels that a slight turn saves: lines of the surface no longer run along it.
@@ -167,7 +168,7 @@ float branch_cut(const VisibleSurface& surface, int dimension) {
   }
   const int middle = best_first + best_length / 2;
   const bool around_border = best_first + best_length >= n || best_first == 0;
-  return best_length < 2 || around_border ? 0 : static_cast<float>(middle) / n;
+  return best_length < kSmallestGap || around_border ? 0 : static_cast<float>(middle) / n;
 }
 
 double isometry_error(std::span<const SurfaceSample> samples, const glm::dmat2& linear, glm::dmat2* gradient) {

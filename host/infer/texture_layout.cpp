@@ -95,7 +95,7 @@ void lay_out_whole(std::span<const VisibleSurface* const> surfaces, const Layout
   if (options.layout == TextureLayout::kSquareDomain) size = glm::vec2(std::max(size.x, size.y));
   field.texture_width = fitted_size(size.x, options.max_size);
   field.texture_height = fitted_size(size.y, options.max_size);
-  field.maps.resize(1);
+  field.maps.assign(1, {});
   field.block_maps.clear();
 }
 

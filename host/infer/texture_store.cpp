@@ -14,7 +14,7 @@ namespace vitrine {
 namespace {
 
 constexpr float kLargestHalf = 65504;
-constexpr int kSmoothingVersion = 1;  // changes whenever the same input would give other textures
+constexpr int kSmoothingVersion = 3;  // changes whenever the same input would give other textures
 constexpr size_t kTexelsAtOnce = 512;
 constexpr size_t kPlanes = 4;
 const std::array<const char*, kPlanes> kNames = {"B", "G", "R", "precision"};  // in the order of OpenEXR

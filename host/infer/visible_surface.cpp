@@ -12,8 +12,10 @@
 namespace vitrine {
 namespace {
 
-constexpr int kNumbersInRow = 1024;     // triangle numbers are two coordinates, each exact however it is interpolated
-constexpr int kSamplesOfObject = 2500;  // in a state, about
+constexpr int kNumbersInRow = 1024;  // triangle numbers are two coordinates, each exact however it is interpolated
+// Samples of an object: in one state, and in all together, but for kFewestSamples in each; about.
+constexpr size_t kSamplesOfState = 2500, kSamplesOfObject = 40000, kFewestSamples = 100;
+constexpr float kLargestReach = 1.0f / 64;  // of the domain: at a silhouette a pixel reaches over all of it
 
 int cell_of(float coordinate) {
   return std::clamp(static_cast<int>(coordinate * VisibleSurface::kCells), 0, VisibleSurface::kCells - 1);
@@ -46,31 +48,35 @@ std::vector<hal::Texture> object_textures(TestRenderer& renderer, size_t count) 
   return textures;
 }
 
-// From places of the picture to texture coordinates of one triangle: both are projections of one another.
+// From places of the picture to texture coordinates of one triangle: both are projections of one another. In double precision:
+// triangles far away are smaller than a pixel.
 struct TriangleProjection {
-  glm::mat3 weights_from_place;  // (x, y, 1) in clip space after division -> weights of the corners, up to a common factor
-  glm::mat3x2 uv;
+  glm::dmat3 weights_from_place;  // (x, y, 1) in clip space after division -> weights of the corners, up to a common factor
+  glm::dmat3x2 uv;
 
   TriangleProjection(const DrawnObject& object, size_t triangle, const glm::mat4& clip_from_object) {
-    glm::mat3 places;
+    glm::dmat3 places;
     for (int k = 0; k < 3; ++k) {
       const MeshVertex& v = object.vertices[object.indices[3 * triangle + static_cast<size_t>(k)]];
-      const glm::vec4 clip = clip_from_object * glm::vec4(v.x, v.y, v.z, 1);
+      const glm::dvec4 clip = glm::dmat4(clip_from_object) * glm::dvec4(v.x, v.y, v.z, 1);
       places[k] = {clip.x, clip.y, clip.w};
       uv[k] = {v.u, v.v};
     }
     weights_from_place = glm::inverse(places);
   }
 
-  // `pixel`: the size of one in clip space.
-  SurfaceSample at(const glm::vec2& place, const glm::vec2& pixel) const {
-    const glm::vec3 weights = weights_from_place * glm::vec3(place, 1);
-    const float sum = weights.x + weights.y + weights.z;
+  // `pixel`: the size of one in clip space. Devices snap corners to a grid, so that a place may lie outside the triangle by a
+  // little of a pixel, which on one seen edge-on is far.
+  SurfaceSample at(const glm::dvec2& place, const glm::dvec2& pixel) const {
+    const glm::dvec3 weights = weights_from_place * glm::dvec3(place, 1);
+    const double sum = weights.x + weights.y + weights.z;
+    const glm::dvec3 inside = glm::max(weights / sum, glm::dvec3(0));
+    const glm::dvec2 at = uv * weights / sum;
     SurfaceSample sample;
-    sample.uv = uv * weights / sum;
+    sample.uv = uv * inside / (inside.x + inside.y + inside.z);
     for (int d = 0; d < 2; ++d) {
-      const glm::vec3 change = weights_from_place[d];
-      sample.uv_per_pixel[d] = pixel[d] / sum * (uv * change - sample.uv * (change.x + change.y + change.z));
+      const glm::dvec3 change = weights_from_place[d];
+      sample.uv_per_pixel[d] = pixel[d] / sum * (uv * change - at * (change.x + change.y + change.z));
     }
     return sample;
   }
@@ -86,40 +92,47 @@ struct NumberedPicture {
   std::span<const glm::vec4> pixels;
   int width, height, supersampling;
 
-  void survey(const DrawnObject& object, size_t number, const glm::mat4& clip_from_object, VisibleSurface& surface) const {
-    const std::vector<size_t> shown = places_of(number);
-    const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(static_cast<double>(shown.size()) / kSamplesOfObject))));
-    const glm::vec2 size(width, height), pixel = static_cast<float>(2 * supersampling) / size;
+  // Places of each object's pixels.
+  std::vector<std::vector<uint32_t>> places_of_objects(size_t object_count) const {
+    std::vector<std::vector<uint32_t>> places(object_count);
+    for (size_t i = 0; i < pixels.size(); ++i) {
+      const auto number = static_cast<size_t>(pixels[i].w + 0.5f);
+      if (number > 0 && number <= object_count) places[number - 1].push_back(static_cast<uint32_t>(i));
+    }
+    return places;
+  }
+
+  // Of what is shown, about `sample_count` places are kept.
+  void survey(const DrawnObject& object, const std::vector<uint32_t>& shown, size_t sample_count,
+              const glm::mat4& clip_from_object, VisibleSurface& surface) const {
+    const double share = static_cast<double>(shown.size()) / static_cast<double>(sample_count);
+    const int stride = std::max(1, static_cast<int>(std::ceil(std::sqrt(share))));
+    const glm::dvec2 size(width, height), pixel = static_cast<double>(2 * supersampling) / size;
     std::vector<VisibleSurface::CellRow> seen(VisibleSurface::kCells);
     std::vector<bool> met(object.indices.size() / 3);
     size_t current = met.size();
     std::optional<TriangleProjection> projection;
     std::optional<SurfaceSample> first;
-    for (const size_t place : shown) {
+    for (const uint32_t place : shown) {
       const size_t triangle =
           static_cast<size_t>(pixels[place].x + 0.5f) + kNumbersInRow * static_cast<size_t>(pixels[place].y + 0.5f);
       if (triangle >= met.size()) continue;
       if (triangle != current) projection.emplace(object, current = triangle, clip_from_object);
-      const glm::ivec2 at(place % static_cast<size_t>(width), place / static_cast<size_t>(width));
-      const SurfaceSample sample = projection->at(2.0f * (glm::vec2(at) + 0.5f) / size - 1.0f, pixel);
+      const glm::ivec2 at(place % static_cast<uint32_t>(width), place / static_cast<uint32_t>(width));
+      const SurfaceSample sample = projection->at(2.0 * (glm::dvec2(at) + 0.5) / size - 1.0, pixel);
       if (!is_finite(sample)) continue;
       if (!first) first = sample;
       seen[static_cast<size_t>(cell_of(sample.uv.y))].set(static_cast<size_t>(cell_of(sample.uv.x)));
       if (at.x % stride == 0 && at.y % stride == 0) surface.add_sample(sample);
       if (!met[triangle]) meet(object, triangle, surface);
       met[triangle] = true;
+      meet_around(sample, surface);
     }
     if (first && surface.samples().empty()) surface.add_sample(*first);  // wires that all stand between the strides
     for (int row = 0; row < VisibleSurface::kCells; ++row) surface.see(row, seen[static_cast<size_t>(row)]);
   }
 
  private:
-  std::vector<size_t> places_of(size_t number) const {
-    std::vector<size_t> places;
-    for (size_t i = 0; i < pixels.size(); ++i)
-      if (static_cast<size_t>(pixels[i].w + 0.5f) == number + 1) places.push_back(i);
-    return places;
-  }
   static void meet(const DrawnObject& object, size_t triangle, VisibleSurface& surface) {
     glm::vec2 low(1), high(0);
     for (size_t i = 3 * triangle; i < 3 * triangle + 3; ++i) {
@@ -128,6 +141,12 @@ struct NumberedPicture {
       high = glm::max(high, glm::vec2(v.u, v.v));
     }
     surface.meet(low, high);
+  }
+  // Triangles finer than the samples lie between them.
+  static void meet_around(const SurfaceSample& sample, VisibleSurface& surface) {
+    const glm::vec2 reach =
+        glm::min(glm::abs(sample.uv_per_pixel[0]) + glm::abs(sample.uv_per_pixel[1]), glm::vec2(kLargestReach));
+    surface.meet(sample.uv - reach, sample.uv + reach);
   }
 };
 
@@ -176,13 +195,16 @@ std::vector<std::vector<VisibleSurface>> survey_surfaces(hal::Gpu& gpu, const In
   TestRenderer renderer(gpu, options, meshes);
   const std::vector<hal::Texture> textures = object_textures(renderer, objects.size());
   std::vector<glm::vec4> pixels(static_cast<size_t>(renderer.width()) * static_cast<size_t>(renderer.height()));
+  const size_t sample_count = std::clamp(kSamplesOfObject / std::max<size_t>(1, states.size()), kFewestSamples, kSamplesOfState);
   std::vector<std::vector<VisibleSurface>> surfaces;
   for (const GeometryState& state : states) {
     renderer.render_coordinates(state, textures, 0, pixels);
     const NumberedPicture picture{pixels, renderer.width(), renderer.height(), options.supersampling};
+    const std::vector<std::vector<uint32_t>> places = picture.places_of_objects(objects.size());
     auto& seen = surfaces.emplace_back(objects.size());
-    tbb::parallel_for(size_t{0}, objects.size(),
-                      [&](size_t i) { picture.survey(objects[i], i, state.clip_from_object[i], seen[i]); });
+    tbb::parallel_for(size_t{0}, objects.size(), [&](size_t i) {
+      if (!places[i].empty()) picture.survey(objects[i], places[i], sample_count, state.clip_from_object[i], seen[i]);
+    });
   }
   for (const hal::Texture texture : textures) gpu.destroy(texture);
   return surfaces;

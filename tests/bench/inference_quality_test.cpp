@@ -167,7 +167,7 @@ InferenceQuality measure_table(const std::string& object) {
   const auto scene = load_scene(VITRINE_SOURCE_DIR "/tests/scenes/table");
   scene->settings.width = 80;
   scene->settings.height = 60;
-  InferenceQualityOptions options{4, object, {SurfaceFilter::kTrilinear}};
+  InferenceQualityOptions options{.samples_per_pixel = 4, .object = object, .filters = {SurfaceFilter::kTrilinear}};
   const InferenceQuality quality = measure_inference(*scene, options, Store(folder), silent_progress());
   std::filesystem::remove_all(folder);
   return quality;
