@@ -89,9 +89,9 @@ struct InferenceOptions {
   float range_regularization = 0;                    // e_b (range_penalty.h)
   int iterations = 40;                               // of conjugate gradients, at most
   TextureLayout layout = TextureLayout::kFitted;
-  TextureFitOptions fit;         // texels_per_pixel: before the objects' own scales
-  float between_share = 0.5f;    // what a row of a picture between grid samples counts beside one of a grid sample's own
-  float axis_smoothing = 0;  // of samples of a block towards each other (host/infer/axis_smoothing.h); 0: none
+  TextureFitOptions fit;       // texels_per_pixel: before the objects' own scales
+  float between_share = 0.5f;  // what a row of a picture between grid samples counts beside one of a grid sample's own
+  float axis_smoothing = 0;    // of samples of a block towards each other (host/infer/axis_smoothing.h); 0: none
   int max_texture_size = 1024;
 };
 
