@@ -185,7 +185,7 @@ const std::shared_ptr<StateObject>& InferenceRun::state_object(int state, int fi
   throw std::logic_error("a texture is solved for that its state does not show");
 }
 
-// States of the grid; those of samples between them come along.
+// Several states of the grid. Those of samples between come along with the one that they are beside, and need no stack.
 bool InferenceRun::sees_many(const SolveGroup& group) const {
   return group.uses.size() > 1 && group.uses[1].state < table_.grid_states;
 }

@@ -265,7 +265,7 @@ class BetweenSamplesTest : public InferenceTest {
     return psnr(draw_nearest(*orbit, store.store(), result, *gpu, positions[i]), load(store.store(), keys[i], *orbit).combined);
   }
 
-  std::unique_ptr<Scene> orbit = make_ball_on_board({.views = 4, .lamps = 2});
+  std::unique_ptr<Scene> orbit = make_ball_on_board({.views = 6, .lamps = 2});  // more states than are read at once
   ScratchStore store;
   std::vector<Position> positions;
   size_t grid = 0;
@@ -277,12 +277,12 @@ TEST_F(BetweenSamplesTest, WhatComesIntoViewHalfWayIsDrawnRight) {
   ASSERT_EQ(both.fields.size(), 2u);
   for (size_t i = 0; i < positions.size(); ++i) {
     const double without = quality(plain, i), with = quality(both, i);
-    EXPECT_GT(with, i < grid ? without - 1 : without + 5) << (i < grid ? "sample " : "half-way, number ") << i;
+    EXPECT_GT(with, i < grid ? without - 1 : without + 3) << (i < grid ? "sample " : "half-way, number ") << i;
   }
 }
 
 TEST_F(BetweenSamplesTest, TheSameBytesHoweverTheyCameAbout) {
-  const auto whole = all_textures(store.store(), infer_from(keys, store.store()));
+  const Inference result = infer_from(keys, store.store());
   tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
   ScratchStore other;
   for (const StoreKey& key : keys) other.store().save_frame(key, *orbit, load(store.store(), key, *orbit));
@@ -290,7 +290,9 @@ TEST_F(BetweenSamplesTest, TheSameBytesHoweverTheyCameAbout) {
     Impatient impatient(steps);
     EXPECT_THROW(infer_textures(*orbit, keys, other.store(), *gpu, kSmall, impatient), Interrupted);
   }
-  EXPECT_TRUE(all_textures(other.store(), infer_from(keys, other.store())) == whole);
+  const Inference again = infer_from(keys, other.store());
+  EXPECT_TRUE(all_textures(other.store(), again) == all_textures(store.store(), result));
+  for (size_t f = 0; f < result.fields.size(); ++f) EXPECT_EQ(again.fields[f].importance, result.fields[f].importance);
 }
 
 TEST_F(InferenceTest, PixelsThatAreNoNumbersSpoilNoTexture) {
