@@ -51,19 +51,50 @@ void check_rigid(const Scene& scene) {
   }
 }
 
-int64_t render_missing(const Scene& scene, const std::vector<StoreKey>& keys, const Store& store, Progress& progress) {
-  std::vector<int64_t> missing;
-  for (size_t i = 0; i < keys.size(); ++i)
-    if (!store.has_frame(keys[i])) missing.push_back(static_cast<int64_t>(i));
-  const auto total = static_cast<int64_t>(keys.size());
+struct TracedFrame {
+  Position position{};
+  StoreKey key;
+};
+
+std::vector<TracedFrame> frames_at(const Scene& scene, const std::vector<Position>& positions) {
+  const StoreKey base = scene_key(scene);
+  std::vector<TracedFrame> frames;
+  for (const Position& position : positions) frames.push_back({position, frame_key(base, scene, position, trace_options(scene))});
+  return frames;
+}
+
+std::vector<Position> grid_positions(const Scene& scene) {
+  const ParameterSpace space = scene.space();
+  std::vector<Position> positions;
+  for (int64_t i = 0; i < space.sample_count(); ++i) positions.push_back(space.position_of(space.index_from_flat(i)));
+  return positions;
+}
+
+// Those of the grid, and those between where the scene asks for them: as infer_textures takes them.
+std::vector<TracedFrame> traced_frames(const Scene& scene) {
+  std::vector<Position> positions = grid_positions(scene);
+  if (scene.settings.between)
+    for (const BetweenSample& between : between_samples(scene)) positions.push_back(between.position);
+  return frames_at(scene, positions);
+}
+
+std::vector<StoreKey> keys_of(const std::vector<TracedFrame>& frames) {
+  std::vector<StoreKey> keys;
+  for (const TracedFrame& frame : frames) keys.push_back(frame.key);
+  return keys;
+}
+
+int64_t render_missing(const Scene& scene, const std::vector<TracedFrame>& frames, const Store& store, Progress& progress) {
+  std::vector<TracedFrame> missing;
+  for (const TracedFrame& frame : frames)
+    if (!store.has_frame(frame.key)) missing.push_back(frame);
+  const auto total = static_cast<int64_t>(frames.size());
   progress.begin("trace", total, total - static_cast<int64_t>(missing.size()), "frames");
   if (!missing.empty()) {
     Tracer tracer(scene);
-    const ParameterSpace space = scene.space();
-    for (const int64_t sample : missing) {
-      const Position position = space.position_of(space.index_from_flat(sample));
+    for (const TracedFrame& frame : missing) {
       PartOfStep part(progress);
-      store.save_frame(keys[sample], scene, tracer.render(position, trace_options(scene), part));
+      store.save_frame(frame.key, scene, tracer.render(frame.position, trace_options(scene), part));
       progress.advance(1);
     }
   }
@@ -215,14 +246,7 @@ TraceOptions trace_options(const Scene& scene) {
   return options;
 }
 
-std::vector<StoreKey> frame_keys(const Scene& scene) {
-  const ParameterSpace space = scene.space();
-  const StoreKey base = scene_key(scene);
-  std::vector<StoreKey> keys;
-  for (int64_t i = 0; i < space.sample_count(); ++i)
-    keys.push_back(frame_key(base, scene, space.position_of(space.index_from_flat(i)), trace_options(scene)));
-  return keys;
-}
+std::vector<StoreKey> frame_keys(const Scene& scene) { return keys_of(frames_at(scene, grid_positions(scene))); }
 
 uint64_t frames_key(const std::vector<StoreKey>& keys) {
   KeyBuilder all;
@@ -242,7 +266,7 @@ InferenceOptions inference_options(const Scene& scene, int supersampling, Surfac
 
 std::optional<Inference> find_inference(const Scene& scene, const Store& store, int supersampling, SurfaceFilter filter,
                                         Progress& progress) {
-  const std::vector<StoreKey> keys = frame_keys(scene);
+  const std::vector<StoreKey> keys = keys_of(traced_frames(scene));
   for (const StoreKey& key : keys)
     if (!store.has_frame(key)) return std::nullopt;
   return infer(scene, keys, store, inference_options(scene, supersampling, filter), progress);
@@ -262,14 +286,14 @@ CompileReport compile_scene(const Scene& scene, const CompileOptions& options, P
   const uint64_t bytes = storage_bytes(storage, scene, options.storage.empty() ? scene.file.string() : "--storage");
   const Store store(options.work);
 
-  const std::vector<StoreKey> keys = frame_keys(scene);
+  const std::vector<TracedFrame> frames = traced_frames(scene);
   CompileReport report;
-  report.frames = static_cast<int64_t>(keys.size());
-  report.raw_bytes = static_cast<uint64_t>(3) * scene.settings.width * scene.settings.height * keys.size();
-  report.frames_rendered = render_missing(scene, keys, store, progress);
+  report.frames = static_cast<int64_t>(frames.size());
+  report.raw_bytes = static_cast<uint64_t>(3) * scene.settings.width * scene.settings.height * scene.space().sample_count();
+  report.frames_rendered = render_missing(scene, frames, store, progress);
 
   const Inference inference =
-      infer(scene, keys, store, inference_options(scene, profile.supersampling, profile.filter), progress);
+      infer(scene, keys_of(frames), store, inference_options(scene, profile.supersampling, profile.filter), progress);
   BuiltImage built = build_to_size(scene, inference, store, profile, bytes, progress);
   write_image(options.image, built.bytes);
   report.warnings = inference.warnings;

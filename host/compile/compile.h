@@ -28,7 +28,7 @@ struct CompileOptions {
 
 struct CompileReport {
   uint64_t bytes = 0, raw_bytes = 0;       // raw: 24-bit RGB of all grid samples
-  int64_t frames = 0, frames_rendered = 0; // rendered: those that the store had not
+  int64_t frames = 0, frames_rendered = 0;  // all that are traced; those that the store had not
   double seconds = 0;
   std::vector<std::string> warnings;       // one line each: what the profile does not provide for, ...
 };
@@ -38,8 +38,8 @@ CompileReport compile_scene(const Scene& scene, const CompileOptions& options, P
 
 // The parts that verification shares.
 TraceOptions trace_options(const Scene& scene);
-std::vector<StoreKey> frame_keys(const Scene& scene);
-// One number for all frames; images carry it.
+std::vector<StoreKey> frame_keys(const Scene& scene);  // of all grid samples
+// One number for the frames of the grid; images carry it.
 uint64_t frames_key(const std::vector<StoreKey>& keys);
 InferenceOptions inference_options(const Scene& scene, int supersampling, SurfaceFilter filter = SurfaceFilter::kTrilinear);
 

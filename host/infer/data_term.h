@@ -17,8 +17,9 @@ namespace vitrine {
 struct Observation {
   const FilteredMatrix* matrix = nullptr;
   std::vector<float> weight;  // W per pixel of the window, 0 where there is no row
-  std::vector<float> scale;   // (W / c)^2
+  std::vector<float> scale;   // share (W / c)^2
   int64_t rows = 0;
+  float share = 1;  // what a row counts beside one of another observation: a factor in `scale`
 };
 
 class DataTerm {

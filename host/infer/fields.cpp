@@ -48,6 +48,29 @@ AxisMask only_camera_axes(const Scene& scene) {
 
 const char* layer_name(Layer layer) { return layer == Layer::kDiffuse ? "diffuse" : "specular"; }
 
+std::vector<BetweenSample> between_samples(const Scene& scene) {
+  const ParameterSpace space = scene.space();
+  const AxisMask axes = only_camera_axes(scene) & varying_axes(space);
+  std::vector<BetweenSample> result;
+  for (int64_t sample = 0; sample < space.sample_count(); ++sample) {
+    const GridIndex index = space.index_from_flat(sample);
+    const Position position = space.position_of(index);
+    for (int axis = 0; axis < space.axis_count; ++axis) {
+      const auto a = static_cast<size_t>(axis);
+      const AxisShape& shape = space.axes[a];
+      if (!(axes & axis_bit(axis)) || shape.kind == AxisKind::kDiscrete) continue;
+      const bool is_last = index[a] == shape.samples - 1, wraps = shape.kind == AxisKind::kPeriodic;
+      if (is_last && !wraps) continue;
+      GridIndex next = index;
+      next[a] = is_last ? 0 : index[a] + 1;
+      BetweenSample between{axis, position, {sample, space.flat_from_index(next)}};
+      between.position[a] += 0.5f / static_cast<float>(wraps ? shape.samples : shape.samples - 1);
+      result.push_back(between);
+    }
+  }
+  return result;
+}
+
 StateTable make_states(const ParameterSpace& space, AxisMask geometry_axes) {
   StateTable table;
   std::map<int64_t, int> numbers;
@@ -57,6 +80,7 @@ StateTable make_states(const ParameterSpace& space, AxisMask geometry_axes) {
     table.state_of_sample.push_back(at->second);
     table.samples_of_state[static_cast<size_t>(at->second)].push_back(sample);
   }
+  table.grid_states = static_cast<int>(numbers.size());
   return table;
 }
 
@@ -93,11 +117,19 @@ uint16_t map_number(const Field& field, int64_t flat) {
 
 const TextureMap& map_of(const Field& field, int64_t flat) { return field.maps[map_number(field, flat)]; }
 
+std::vector<int64_t> shown_at(const StateTable& states, const Field& field, int64_t sample) {
+  if (sample < states.grid_samples()) return {sample};
+  const BetweenSample& between = states.between[static_cast<size_t>(sample - states.grid_samples())];
+  if (!(field.axes & axis_bit(between.axis))) return {};
+  return {between.beside.begin(), between.beside.end()};
+}
+
 std::vector<SolveGroup> make_groups(const ParameterSpace& space, const Field& field, int number, const StateTable& states,
                                     size_t max_textures) {
-  std::map<int64_t, std::map<int, std::vector<int64_t>>> seen;  // texture -> state -> grid samples
-  for (int64_t sample = 0; sample < space.sample_count(); ++sample)
-    seen[field_sample_of(space, field.axes, sample)][states.state_of_sample[static_cast<size_t>(sample)]].push_back(sample);
+  std::map<int64_t, std::map<int, std::vector<int64_t>>> seen;  // texture -> state -> samples
+  for (size_t sample = 0; sample < states.state_of_sample.size(); ++sample)
+    for (const int64_t shown : shown_at(states, field, static_cast<int64_t>(sample)))
+      seen[field_sample_of(space, field.axes, shown)][states.state_of_sample[sample]].push_back(static_cast<int64_t>(sample));
   std::map<std::pair<uint16_t, std::vector<int>>, std::vector<int64_t>> alike;  // by map and states
   for (const auto& [texture, uses] : seen) {
     std::vector<int> key;

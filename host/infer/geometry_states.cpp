@@ -40,11 +40,37 @@ bool is_outside(const std::array<glm::vec3, 8>& corners, const glm::mat4& clip_f
   return beyond_all != 0;
 }
 
+// Adds states, those that are the same bytes once.
+class DistinctStates {
+ public:
+  explicit DistinctStates(std::vector<GeometryState>& states) : states_(states) {}
+  int number_of(GeometryState state) {
+    const auto [at, is_new] = numbers_.emplace(bytes_of(state), static_cast<int>(states_.size()));
+    if (is_new) states_.push_back(std::move(state));
+    return at->second;
+  }
+
+ private:
+  std::vector<GeometryState>& states_;
+  std::map<std::string, int> numbers_;
+};
+
+Position on_axes(Position position, AxisMask axes) {
+  for (size_t a = 0; a < position.size(); ++a)
+    if (!(axes >> a & 1)) position[a] = 0;
+  return position;
+}
+
 }  // namespace
 
 GeometryState geometry_state_at(const Scene& scene, int64_t grid_sample, std::span<const DrawnObject> objects, float aspect) {
   const ParameterSpace space = scene.space();
-  const Pose pose = pose_scene(scene, space.position_of(space.index_from_flat(grid_sample)));
+  return geometry_state_at(scene, space.position_of(space.index_from_flat(grid_sample)), objects, aspect);
+}
+
+GeometryState geometry_state_at(const Scene& scene, const Position& position, std::span<const DrawnObject> objects,
+                                float aspect) {
+  const Pose pose = pose_scene(scene, position);
   const glm::mat4 clip_from_world = clip_from_camera(scene.camera, aspect) * glm::inverse(pose.world_from_camera);
   GeometryState state;
   for (const DrawnObject& object : objects) {
@@ -56,23 +82,28 @@ GeometryState geometry_state_at(const Scene& scene, int64_t grid_sample, std::sp
 }
 
 GeometryStates make_geometry_states(const Scene& scene, AxisMask geometry_axes, std::span<const DrawnObject> objects,
-                                    float aspect) {
+                                    float aspect, std::vector<BetweenSample> between) {
   const StateTable by_axes = make_states(scene.space(), geometry_axes);
   GeometryStates result;
-  std::map<std::string, int> numbers;
+  StateTable& table = result.table;
+  DistinctStates of_grid(result.states), of_between(result.states);
   std::vector<int> merged;
-  for (const auto& samples : by_axes.samples_of_state) {
-    GeometryState state = geometry_state_at(scene, samples.front(), objects, aspect);
-    const auto [at, is_new] = numbers.emplace(bytes_of(state), static_cast<int>(numbers.size()));
-    if (is_new) result.states.push_back(std::move(state));
-    merged.push_back(at->second);
+  for (const auto& samples : by_axes.samples_of_state)
+    merged.push_back(of_grid.number_of(geometry_state_at(scene, samples.front(), objects, aspect)));
+  for (const int state : by_axes.state_of_sample) table.state_of_sample.push_back(merged[static_cast<size_t>(state)]);
+  table.grid_states = static_cast<int>(result.states.size());
+
+  std::map<Position, int> numbers;
+  for (const BetweenSample& sample : between) {
+    const auto [at, is_new] = numbers.emplace(on_axes(sample.position, geometry_axes), 0);
+    if (is_new) at->second = of_between.number_of(geometry_state_at(scene, sample.position, objects, aspect));
+    table.state_of_sample.push_back(at->second);
   }
-  result.table.samples_of_state.resize(result.states.size());
-  for (size_t sample = 0; sample < by_axes.state_of_sample.size(); ++sample) {
-    const int state = merged[static_cast<size_t>(by_axes.state_of_sample[sample])];
-    result.table.state_of_sample.push_back(state);
-    result.table.samples_of_state[static_cast<size_t>(state)].push_back(static_cast<int64_t>(sample));
-  }
+  table.between = std::move(between);
+
+  table.samples_of_state.resize(result.states.size());
+  for (size_t sample = 0; sample < table.state_of_sample.size(); ++sample)
+    table.samples_of_state[static_cast<size_t>(table.state_of_sample[sample])].push_back(static_cast<int64_t>(sample));
   return result;
 }
 

@@ -113,9 +113,11 @@ std::vector<std::string> warn_of_darkness(const Scene& scene, const std::vector<
 Inference infer_textures(const Scene& scene, const std::vector<StoreKey>& frames, const Store& store, hal::Gpu& gpu,
                          const InferenceOptions& options, Progress& progress) {
   const std::vector<ObjectLight> lights = survey_light(scene, frames, store);
+  std::vector<BetweenSample> between;
+  if (static_cast<int64_t>(frames.size()) > scene.space().sample_count()) between = between_samples(scene);
   const float aspect = static_cast<float>(options.width) / static_cast<float>(options.height);
   const auto states_of = [&](const std::vector<DrawnObject>& objects) {
-    return make_geometry_states(scene, geometry_axes(scene), objects, aspect);
+    return make_geometry_states(scene, geometry_axes(scene), objects, aspect, between);
   };
   Inference inference;
   std::vector<DrawnObject> all = draw_objects(scene);

@@ -92,14 +92,16 @@ struct InferenceOptions {
   float range_regularization = 0;                    // e_b (range_penalty.h)
   int iterations = 40;                               // of conjugate gradients, at most
   TextureLayout layout = TextureLayout::kFitted;
-  TextureFitOptions fit;     // texels_per_pixel: before the objects' own scales
-  float axis_smoothing = 0;  // of samples of a block towards each other (host/infer/axis_smoothing.h); 0: none
+  TextureFitOptions fit;       // texels_per_pixel: before the objects' own scales
+  float between_share = 0.5f;  // what a row of a picture between grid samples counts beside one of a grid sample's own
+  float axis_smoothing = 0;    // of samples of a block towards each other (host/infer/axis_smoothing.h); 0: none
   int max_texture_size = 1024;
 };
 
-// `frames`: keys of all grid samples, flat order; all are in the store. `gpu`: a device with float targets. Results go to the
-// store texture by texture and are taken from there when they are found, so an interrupted run resumes; the result does not
-// depend on how often it was interrupted nor on the number of threads.
+// `frames`: keys of all grid samples, flat order; and, for textures that are also solved for what they show between samples,
+// after them those of between_samples() (host/infer/fields.h). All are in the store. `gpu`: a device with float targets. Results
+// go to the store texture by texture and are taken from there when they are found, so an interrupted run resumes; the result does
+// not depend on how often it was interrupted nor on the number of threads.
 Inference infer_textures(const Scene& scene, const std::vector<StoreKey>& frames, const Store& store, hal::Gpu& gpu,
                          const InferenceOptions& options, Progress& progress);
 

@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <map>
-#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -72,7 +71,8 @@ InferenceRun::InferenceRun(const Scene& scene, const std::vector<StoreKey>& fram
       table_(table),
       states_(std::move(states)),
       inference_(inference),
-      data_(states_.size()) {
+      data_(states_.size()),
+      gathered_(states_.size()) {
   for (const Field& field : inference_.fields) pyramids_.emplace_back(field.texture_width, field.texture_height);
   find_shown();
   make_groups_and_keys();
@@ -83,11 +83,13 @@ InferenceRun::~InferenceRun() = default;
 void InferenceRun::find_shown() {
   shown_.resize(states_.size());
   for (size_t s = 0; s < states_.size(); ++s) {
-    std::map<std::pair<int, uint16_t>, int64_t> counts;
+    std::map<std::pair<int, uint16_t>, double> counts;
     for (const int64_t sample : table_.samples_of_state[s])
       for (int f = 0; f < static_cast<int>(inference_.fields.size()); ++f) {
         const Field& field = inference_.fields[static_cast<size_t>(f)];
-        ++counts[{f, map_number(field, field_sample_of(scene_.space(), field.axes, sample))}];
+        for (const int64_t shown : shown_at(table_, field, sample))
+          counts[{f, map_number(field, field_sample_of(scene_.space(), field.axes, shown))}] +=
+              static_cast<double>(share_of(static_cast<int>(s)));
       }
     for (const auto& [which, count] : counts) shown_[s].push_back({which.first, which.second, count});
   }
@@ -127,6 +129,7 @@ StoreKey InferenceRun::texture_key(const SolveGroup& group, size_t texture, cons
   append_map(key, field_of(group).maps[group.map]);
   for (const SolveGroup::Use& use : group.uses) {
     key.integer(use.state);
+    key.number(static_cast<double>(share_of(use.state)));
     for (const int64_t sample : table_.samples_of_state[static_cast<size_t>(use.state)])
       append(key, frames_[static_cast<size_t>(sample)]);
     for (const int64_t sample : use.samples[texture]) key.integer(sample);
@@ -163,6 +166,7 @@ void InferenceRun::make_groups_and_keys() {
     append_field(key, inference_, field);
     for (const TextureMap& map : field.maps) append_map(key, map);
     for (const uint16_t map : field.block_maps) key.integer(map);
+    key.number(static_cast<double>(options_.between_share));
     for (const StoreKey& frame : frames_) append(key, frame);
     importance_keys_.push_back(key.finish());
   }
@@ -181,21 +185,51 @@ const std::shared_ptr<StateObject>& InferenceRun::state_object(int state, int fi
   throw std::logic_error("a texture is solved for that its state does not show");
 }
 
-std::vector<int> InferenceRun::needed_states() const {
+// Several states of the grid. Those of samples between come along with the one that they are beside, and need no stack.
+bool InferenceRun::sees_many(const SolveGroup& group) const {
+  return group.uses.size() > 1 && group.uses[1].state < table_.grid_states;
+}
+
+std::set<int> InferenceRun::needed_states() const {
   std::set<int> needed;
   for (const SolveGroup& group : groups_)
     for (const SolveGroup::Use& use : group.uses) needed.insert(use.state);
   if (importance_missing())
     for (size_t s = 0; s < states_.size(); ++s) needed.insert(static_cast<int>(s));
-  return {needed.begin(), needed.end()};
+  return needed;
 }
 
+// Grid states in their order, each with those between that are beside it.
+std::vector<std::vector<int>> InferenceRun::plan_batches(const std::set<int>& needed) const {
+  std::map<int, std::set<int>> beside;
+  for (size_t b = 0; b < table_.between.size(); ++b) {
+    const int state = table_.state_of_sample[static_cast<size_t>(table_.grid_samples()) + b];
+    for (const int64_t sample : table_.between[b].beside)
+      if (needed.count(state)) beside[table_.state_of_sample[static_cast<size_t>(sample)]].insert(state);
+  }
+  std::vector<std::vector<int>> batches;
+  const size_t size = batch_size();
+  const auto end = needed.lower_bound(table_.grid_states);
+  for (auto at = needed.begin(); at != end;) {
+    std::set<int> batch;
+    for (size_t i = 0; i < size && at != end; ++i, ++at) {
+      batch.insert(*at);
+      batch.insert(beside[*at].begin(), beside[*at].end());
+    }
+    batches.emplace_back(batch.begin(), batch.end());
+  }
+  return batches;
+}
+
+// In grid states.
 size_t InferenceRun::batch_size() const {
   const size_t frames = (frames_.size() + states_.size() - 1) / states_.size();
   const size_t supersamples = static_cast<size_t>(options_.supersampling * options_.supersampling);
   const size_t bytes = static_cast<size_t>(options_.width) * static_cast<size_t>(options_.height) *
                        (frames * kFramePixelBytes + supersamples * kSupersampleBytes);
-  return std::clamp<size_t>(kBatchBytes / std::max<size_t>(1, bytes), 1, kBatch);
+  const size_t with_those_between =
+      (states_.size() + static_cast<size_t>(table_.grid_states) - 1) / static_cast<size_t>(table_.grid_states);
+  return std::max<size_t>(1, std::min(kBatchBytes / std::max<size_t>(1, bytes), kBatch) / with_those_between);
 }
 
 void InferenceRun::solve_missing(Progress& progress) {
@@ -204,14 +238,13 @@ void InferenceRun::solve_missing(Progress& progress) {
   for (const Field& field : inference_.fields) total += static_cast<int64_t>(field.textures.size());
   for (const SolveGroup& group : groups_) missing += static_cast<int64_t>(group.textures.size());
   progress.begin("inference", total, total - missing, "textures");
-  const std::vector<int> states = needed_states();
-  if (!states.empty()) {
+  const std::vector<std::vector<int>> batches = plan_batches(needed_states());
+  if (!batches.empty()) {
     make_stacks();
     {
       StateObjectReader reader(gpu_, options_, inference_.objects, usual_placements());
-      const size_t batch = batch_size();
-      for (size_t begin = 0; begin < states.size(); begin += batch)
-        process_batch(std::span(states).subspan(begin, std::min(batch, states.size() - begin)), reader, progress);
+      for (size_t b = 0; b < batches.size(); ++b)
+        process_batch(batches[b], b + 1 < batches.size() ? batches[b + 1] : std::vector<int>{}, reader, progress);
       finish_importance();
       for (const auto& stacks : stacks_side_by_side()) process_stacks(stacks, reader, progress);
     }
@@ -239,7 +272,7 @@ std::vector<Placement> InferenceRun::usual_placements() const {
 void InferenceRun::make_stacks() {
   solvers_.resize(groups_.size());
   for (size_t g = 0; g < groups_.size(); ++g) {
-    if (groups_[g].uses.size() < 2) continue;
+    if (!sees_many(groups_[g])) continue;
     const SolveGroup& group = groups_[g];
     solvers_[g] = std::make_unique<TextureSolver>(pyramid_of(group), group.textures.size(), solver_options());
     std::vector<int> states;
@@ -248,19 +281,32 @@ void InferenceRun::make_stacks() {
       return stack.field == group.field && stack.map == group.map && stack.states == states;
     };
     auto stack = std::find_if(stacks_.begin(), stacks_.end(), same);
-    if (stack == stacks_.end()) stack = stacks_.insert(stacks_.end(), Stack{group.field, group.map, std::move(states), {}, {}});
+    if (stack == stacks_.end()) {
+      const size_t count = states.size();
+      stack = stacks_.insert(stacks_.end(), Stack{group.field, group.map, std::move(states), {}, {}});
+      stack->weights.resize(count);
+    }
     stack->groups.push_back(g);
   }
 }
 
-void InferenceRun::process_batch(std::span<const int> batch, StateObjectReader& reader, Progress& progress) {
+void InferenceRun::process_batch(std::span<const int> batch, std::span<const int> next, StateObjectReader& reader,
+                                 Progress& progress) {
   progress.advance(0);
-  load_frames(batch);
-  read_matrices(batch, reader);
-  build_observations(batch);
+  load(batch, reader);
   gather(batch);
   solve_single(batch, progress);
-  release(batch);
+  release(batch, next);
+}
+
+// What the batch before has not left.
+void InferenceRun::load(std::span<const int> batch, StateObjectReader& reader) {
+  std::vector<int> lacking;
+  for (const int s : batch)
+    if (!data_[static_cast<size_t>(s)]) lacking.push_back(s);
+  load_frames(lacking);
+  read_matrices(lacking, reader);
+  build_observations(lacking);
 }
 
 void InferenceRun::read_matrices(std::span<const int> batch, StateObjectReader& reader) {
@@ -300,7 +346,7 @@ void InferenceRun::load_frames(std::span<const int> batch) {
 
 void InferenceRun::build_observations(std::span<const int> batch) {
   struct Job {
-    const StateData* data;
+    int state;
     int object;
     StateObject* entry;
   };
@@ -308,14 +354,14 @@ void InferenceRun::build_observations(std::span<const int> batch) {
   for (const int s : batch) {
     const StateData& data = *data_[static_cast<size_t>(s)];
     for (size_t i = 0; i < data.objects.size(); ++i)
-      for (const auto& entry : data.objects[i]) jobs.push_back({&data, inference_.objects[i].object, entry.get()});
+      for (const auto& entry : data.objects[i]) jobs.push_back({s, inference_.objects[i].object, entry.get()});
   }
   tbb::parallel_for(size_t{0}, jobs.size(), [&](size_t j) {
     std::vector<const Frame*> frames;
-    for (const Frame& frame : jobs[j].data->frames) frames.push_back(&frame);
+    for (const Frame& frame : data_[static_cast<size_t>(jobs[j].state)]->frames) frames.push_back(&frame);
     StateObject& entry = *jobs[j].entry;
     entry.filter(options_);
-    entry.observation = make_observation(entry.filtered, jobs[j].object, frames);
+    entry.observation = make_observation(entry.filtered, jobs[j].object, frames, share_of(jobs[j].state));
   });
 }
 
@@ -336,8 +382,11 @@ void InferenceRun::add_use(TextureSolver& solver, const SolveGroup& group, const
   solver.add(observation, layers);
 }
 
-// Right sides and weights of stacks, and importance: each object by itself, states in order.
-void InferenceRun::gather(std::span<const int> batch) {
+// Right sides and weights of stacks, and importance, of states that no batch before held: each object by itself, states in order.
+void InferenceRun::gather(std::span<const int> whole_batch) {
+  std::vector<int> batch;
+  for (const int s : whole_batch)
+    if (!std::exchange(gathered_[static_cast<size_t>(s)], 1)) batch.push_back(s);
   tbb::parallel_for(size_t{0}, groups_.size(), [&](size_t g) {
     if (!solvers_[g]) return;
     for (const SolveGroup::Use& use : groups_[g].uses)
@@ -345,8 +394,9 @@ void InferenceRun::gather(std::span<const int> batch) {
   });
   for (Stack& stack : stacks_)
     for (const int s : batch)
-      if (std::binary_search(stack.states.begin(), stack.states.end(), s))
-        stack.weights.push_back(state_object(s, stack.field, stack.map)->observation.weight);
+      if (const auto at = std::lower_bound(stack.states.begin(), stack.states.end(), s); at != stack.states.end() && *at == s)
+        stack.weights[static_cast<size_t>(at - stack.states.begin())] =
+            state_object(s, stack.field, stack.map)->observation.weight;
   tbb::parallel_for(size_t{0}, importance_.size(), [&](size_t field) {
     for (const int s : batch)
       for (const Shown& shown : shown_[static_cast<size_t>(s)]) {
@@ -360,14 +410,17 @@ void InferenceRun::gather(std::span<const int> batch) {
 void InferenceRun::solve_single(std::span<const int> batch, Progress& progress) {
   std::vector<const SolveGroup*> jobs;
   const auto texels_of = [&](const SolveGroup* group) { return pyramid_of(*group).finest_size(); };
+  const auto bytes_of = [&](const SolveGroup* group) {
+    return (kSolverTexelBytes + (group->uses.size() > 1 ? kStackTexelBytes : 0)) * texels_of(group);
+  };
   for (size_t g = 0; g < groups_.size(); ++g)
-    if (!solvers_[g] && std::find(batch.begin(), batch.end(), groups_[g].uses.front().state) != batch.end())
+    if (!sees_many(groups_[g]) && std::find(batch.begin(), batch.end(), groups_[g].uses.front().state) != batch.end())
       jobs.push_back(&groups_[g]);
   std::stable_sort(jobs.begin(), jobs.end(),
                    [&](const SolveGroup* a, const SolveGroup* b) { return texels_of(a) > texels_of(b); });
   for (size_t begin = 0, end = 0; begin < jobs.size(); begin = end) {
     for (size_t bytes = 0; end < jobs.size(); ++end) {
-      bytes += kSolverTexelBytes * texels_of(jobs[end]);
+      bytes += bytes_of(jobs[end]);
       if (end > begin && bytes > kSolverBytes) break;
     }
     tbb::parallel_for(begin, end, [&](size_t j) { solve_one(*jobs[j], progress); });
@@ -376,10 +429,12 @@ void InferenceRun::solve_single(std::span<const int> batch, Progress& progress) 
 
 void InferenceRun::solve_one(const SolveGroup& group, Progress& progress) const {
   TextureSolver solver(pyramid_of(group), group.textures.size(), solver_options());
-  add_use(solver, group, group.uses.front());
   RowsOfStates rows(pyramid_of(group));
-  const std::shared_ptr<StateObject>& seen = state_object(group.uses.front().state, group.field, group.map);
-  rows.add({seen, &seen->observation});
+  for (const SolveGroup::Use& use : group.uses) {
+    add_use(solver, group, use);
+    const std::shared_ptr<StateObject>& seen = state_object(use.state, group.field, group.map);
+    rows.add({seen, &seen->observation});
+  }
   store_textures(group, solver.solve(rows.finish()), solver.precision(), progress);
 }
 
@@ -429,14 +484,16 @@ void InferenceRun::add_rows(int state, std::span<Stack* const> stacks, StateObje
     if (!entries[i]) continue;
     const auto at = std::lower_bound(stacks[i]->states.begin(), stacks[i]->states.end(), state);
     entries[i]->filter(options_);
-    entries[i]->observation = make_observation(
-        entries[i]->filtered, std::move(stacks[i]->weights[static_cast<size_t>(at - stacks[i]->states.begin())]));
+    entries[i]->observation =
+        make_observation(entries[i]->filtered, std::move(stacks[i]->weights[static_cast<size_t>(at - stacks[i]->states.begin())]),
+                         share_of(state));
     rows[i].add({entries[i], &entries[i]->observation});
   }
 }
 
-void InferenceRun::release(std::span<const int> batch) {
-  for (const int s : batch) data_[static_cast<size_t>(s)].reset();
+void InferenceRun::release(std::span<const int> batch, std::span<const int> next) {
+  for (const int s : batch)
+    if (std::find(next.begin(), next.end(), s) == next.end()) data_[static_cast<size_t>(s)].reset();
 }
 
 void InferenceRun::store_textures(const SolveGroup& group, const std::vector<std::vector<glm::vec3>>& textures,
@@ -474,13 +531,13 @@ void InferenceRun::finish_importance() {
     LayeredImage image{field.texture_width, field.texture_height, {}};
     for (size_t m = 0; m < field.maps.size(); ++m) {
       std::vector<float>& own = importance_[f][m];
-      int64_t frames = 0;
+      double frames = 0;
       for (const auto& state : shown_)
         for (const Shown& shown : state)
           if (shown.field == static_cast<int>(f) && shown.map == m) frames += shown.samples;
       pyramids_[f].decimate_transposed(own.data());
       own.resize(pyramids_[f].finest_size());
-      for (float& value : own) value = std::min(value / static_cast<float>(std::max<int64_t>(1, frames)), kLargestHalf);
+      for (float& value : own) value = std::min(value / static_cast<float>(std::max(1.0, frames)), kLargestHalf);
       image.planes.push_back({fmt::format("map{:05}", m), std::move(own)});
     }
     store_.save_planes(importance_keys_[f], image);

@@ -3,12 +3,14 @@
 // One run over all states: reads matrices, solves what the store has not, stores it.
 //
 // States are taken in batches of a few. Textures that see a single state are solved as soon as its matrix is there; those
-// that see many (a stack) gather their right sides. Then matrices are read again, for as many stacks at once as memory allows,
+// that see many (a stack) gather their right sides. Samples between those of the grid come along with the states beside them,
+// whose textures are solved from them as well. Then matrices are read again, for as many stacks at once as memory allows,
 // and summed up: reading one takes a moment, keeping those of all states gigabytes. Everything that reaches a texture is added
 // in the order of states, whatever the number of threads.
 #pragma once
 
 #include <memory>
+#include <set>
 #include <vector>
 
 #include "host/infer/fields.h"
@@ -33,11 +35,11 @@ class InferenceRun {
  private:
   struct StateData;
   struct Stack;  // what groups of one field share that lie alike and see the same states
-  // What a state's grid samples show: a field by one of its maps.
+  // What a state's samples show: a field by one of its maps.
   struct Shown {
     int field = 0;
     uint16_t map = 0;
-    int64_t samples = 0;
+    double samples = 0;  // how many, by their shares
   };
 
   void find_shown();
@@ -47,10 +49,15 @@ class InferenceRun {
   void load_importance();
   bool importance_missing() const;
 
-  std::vector<int> needed_states() const;
+  float share_of(int state) const { return state < table_.grid_states ? 1 : options_.between_share; }
+  bool sees_many(const SolveGroup& group) const;
+  std::set<int> needed_states() const;
   size_t batch_size() const;
+  std::vector<std::vector<int>> plan_batches(const std::set<int>& needed) const;
   std::vector<Placement> usual_placements() const;
-  void process_batch(std::span<const int> batch, StateObjectReader& reader, Progress& progress);
+  // `next`: the batch after it.
+  void process_batch(std::span<const int> batch, std::span<const int> next, StateObjectReader& reader, Progress& progress);
+  void load(std::span<const int> batch, StateObjectReader& reader);
   void process_stacks(std::span<Stack* const> stacks, StateObjectReader& reader, Progress& progress);
   void add_rows(int state, std::span<Stack* const> stacks, StateObjectReader& reader, std::vector<RowsOfStates>& rows) const;
   void load_frames(std::span<const int> batch);
@@ -62,7 +69,7 @@ class InferenceRun {
   void solve_single(std::span<const int> batch, Progress& progress);
   void solve_one(const SolveGroup& group, Progress& progress) const;
   std::vector<std::vector<Stack*>> stacks_side_by_side();
-  void release(std::span<const int> batch);
+  void release(std::span<const int> batch, std::span<const int> next);
   void finish_importance();
 
   void add_use(TextureSolver& solver, const SolveGroup& group, const SolveGroup::Use& use) const;
@@ -89,6 +96,7 @@ class InferenceRun {
   std::vector<std::unique_ptr<TextureSolver>> solvers_;  // per group that sees many states
   std::vector<Stack> stacks_;
   std::vector<std::unique_ptr<StateData>> data_;             // per state, of the batch
+  std::vector<uint8_t> gathered_;                            // per state
   std::vector<StoreKey> importance_keys_;                    // per field
   std::vector<std::vector<std::vector<float>>> importance_;  // per field and map, all levels; empty where the store has it
 };

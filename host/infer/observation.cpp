@@ -35,21 +35,22 @@ float traced_coverage(const ObjectFrame& frame, size_t pixel) {
 
 }  // namespace
 
-Observation make_observation(const FilteredMatrix& matrix, std::vector<float> weight) {
+Observation make_observation(const FilteredMatrix& matrix, std::vector<float> weight, float share) {
   Observation observation;
   observation.matrix = &matrix;
+  observation.share = share;
   observation.weight = std::move(weight);
   observation.scale.resize(observation.weight.size());
   for (size_t p = 0; p < observation.weight.size(); ++p) {
     if (observation.weight[p] <= 0) continue;
     const float ratio = observation.weight[p] / matrix.filtered()[p];
-    observation.scale[p] = ratio * ratio;
+    observation.scale[p] = share * ratio * ratio;
     ++observation.rows;
   }
   return observation;
 }
 
-Observation make_observation(const FilteredMatrix& matrix, int object, std::span<const Frame* const> frames) {
+Observation make_observation(const FilteredMatrix& matrix, int object, std::span<const Frame* const> frames, float share) {
   std::vector<float> weight = matrix.coverage(), traced(matrix.pixel_count());
   for (const Frame* frame : frames) {
     std::fill(traced.begin(), traced.end(), 0.0f);
@@ -59,7 +60,7 @@ Observation make_observation(const FilteredMatrix& matrix, int object, std::span
   }
   for (float& w : weight)
     if (!(w >= kMinCoverage)) w = 0;
-  return make_observation(matrix, std::move(weight));
+  return make_observation(matrix, std::move(weight), share);
 }
 
 std::vector<glm::vec3> layer_in_window(const PixelWindow& window, int object, Layer layer, std::span<const Frame* const> frames,

@@ -16,10 +16,10 @@ namespace vitrine {
 // Rows exist where tracer and device agree that at least this much of a pixel shows the object.
 inline constexpr float kMinCoverage = 1.0f / 16;
 
-// From the weights themselves.
-Observation make_observation(const FilteredMatrix& matrix, std::vector<float> weight);
+// From the weights themselves. `share`: Observation::share.
+Observation make_observation(const FilteredMatrix& matrix, std::vector<float> weight, float share = 1);
 // W = the smaller of the coverages of the device and of all `frames` of the state.
-Observation make_observation(const FilteredMatrix& matrix, int object, std::span<const Frame* const> frames);
+Observation make_observation(const FilteredMatrix& matrix, int object, std::span<const Frame* const> frames, float share = 1);
 
 // Light beyond this many times display white is cut before textures are solved for: a pixel looks no brighter for it, but least
 // squares would spend themselves on the lamp's own reflection and ring around it.

@@ -87,7 +87,7 @@ struct TextureSolver::Impl final : TextureSolver::Base {
       : pyramid(pyramid_in), count(count_in), options(options_in), right(pyramid.size()), diagonal(pyramid.size()) {}
 
   void add(const Observation& observation, std::span<const std::vector<glm::vec3>> layers) override {
-    rows += observation.rows;
+    rows += static_cast<double>(observation.share) * static_cast<double>(observation.rows);
     const size_t pixels = observation.matrix->pixel_count();
     std::vector<T> targets(pixels);
     std::vector<float> ones(pixels);
@@ -103,7 +103,7 @@ struct TextureSolver::Impl final : TextureSolver::Base {
   }
 
   float strength() const {
-    return options.regularization * static_cast<float>(static_cast<double>(rows) / static_cast<double>(pyramid.finest_size()));
+    return options.regularization * static_cast<float>(rows / static_cast<double>(pyramid.finest_size()));
   }
 
   // A symmetric system of equations over the finest level: the normal equations, and what range regularization adds to their
@@ -199,8 +199,7 @@ struct TextureSolver::Impl final : TextureSolver::Base {
 
   // The weight of the sum of g beside half the squared errors, whose gradient `apply` and right sides are.
   double range_weight() const {
-    const double white = static_cast<double>(options.white),
-                 rows_per_texel = static_cast<double>(rows) / static_cast<double>(pyramid.finest_size());
+    const double white = static_cast<double>(options.white), rows_per_texel = rows / static_cast<double>(pyramid.finest_size());
     return 0.5 * static_cast<double>(options.range_regularization) * rows_per_texel * range_calibration() * white * white;
   }
 
@@ -317,8 +316,8 @@ struct TextureSolver::Impl final : TextureSolver::Base {
   const Pyramid& pyramid;
   size_t count;
   SolverOptions options;
-  int64_t rows = 0;
-  std::vector<T> right;         // A' F' (W^2 / c) b over all levels
+  double rows = 0;              // by their shares
+  std::vector<T> right;         // A' F' (share W^2 / c) b over all levels
   std::vector<float> diagonal;  // the same of 1: row sums of the normal equations
 };
 

@@ -3,14 +3,13 @@
 // The least-squares solution (Hakura 2001, section 3.5) for textures that share their matrices: up to kMaxTextures textures
 // at once, over one geometry state (layers that depend on the view) or many (layers that do not, section 3.5.2).
 //
-//   min  sum over states, pixels of  scale (F A M x - c b)^2  +  mu (Gamma(x) + kHold |x - x0|^2),    scale = (W / c)^2,
+//   min  sum over states, pixels of  scale (F A M x - c b)^2  +  mu (Gamma(x) + kHold |x - x0|^2),    scale = share (W / c)^2,
 //
-// with c the filtered coverage F A 1: the equation of each row is divided by c, which gives W^2 (F A M x / c - b)^2; and x0 a
-// push-pull filling of the pixels' light, from which the search starts. It is
-// minimized by conjugate gradients on the normal equations, preconditioned by the row sums of the data term. Channels run
-// in lock step but with steps of their own, and one that has converged stands still, so that a texture comes out the same
-// whichever others are solved beside it. Range regularization is minimized from there on by Newton's method, whose steps
-// conjugate gradients find.
+// with c the filtered coverage F A 1: the equation of each row is divided by c, which gives share W^2 (F A M x / c - b)^2; and x0
+// a push-pull filling of the pixels' light, from which the search starts. It is minimized by conjugate gradients on the normal
+// equations, preconditioned by the row sums of the data term. Channels run in lock step but with steps of their own, and one that
+// has converged stands still, so that a texture comes out the same whichever others are solved beside it. Range regularization is
+// minimized from there on by Newton's method, whose steps conjugate gradients find.
 #pragma once
 
 #include <glm/vec3.hpp>

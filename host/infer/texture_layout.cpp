@@ -105,14 +105,20 @@ std::vector<std::vector<int>> states_of_blocks(const StateTable& states, const P
   const FieldShape shape = blocks_of(field);
   std::vector<std::set<int>> sets(static_cast<size_t>(shape.block_count()));
   std::set<std::pair<int64_t, int>> done;  // samples of the field that differ in nothing that it depends on
-  for (int64_t sample = 0; sample < space.sample_count(); ++sample) {
-    const int64_t own = field_sample_of(space, field.axes, sample);
-    const int state = states.state_of_sample[static_cast<size_t>(sample)];
-    if (!done.emplace(own, state).second) continue;
-    GridIndex neighbour{};
-    for_each_beside(field.space, field.space.index_from_flat(own), 0, neighbour,
-                    [&](const GridIndex& at) { sets[static_cast<size_t>(shape.block_of(at))].insert(state); });
-  }
+  const auto show = [&](const GridIndex& at, int state) { sets[static_cast<size_t>(shape.block_of(at))].insert(state); };
+  for (int64_t sample = 0; sample < static_cast<int64_t>(states.state_of_sample.size()); ++sample)
+    for (const int64_t shown : shown_at(states, field, sample)) {
+      const int64_t own = field_sample_of(space, field.axes, shown);
+      const int state = states.state_of_sample[static_cast<size_t>(sample)];
+      if (!done.emplace(own, state).second) continue;
+      const GridIndex index = field.space.index_from_flat(own);
+      if (state >= states.grid_states) {
+        show(index, state);
+        continue;
+      }
+      GridIndex neighbour{};
+      for_each_beside(field.space, index, 0, neighbour, [&](const GridIndex& at) { show(at, state); });
+    }
   std::vector<std::vector<int>> result;
   for (const auto& set : sets) result.emplace_back(set.begin(), set.end());
   return result;

@@ -146,8 +146,9 @@ struct WeightTrack {
 struct Settings {
   int width = 640, height = 480;
   int samples_per_pixel = 64;
-  float noise_db = 45;            // what compiled frames are traced to (TraceOptions::noise_db)
+  float noise_db = 45;       // what compiled frames are traced to (TraceOptions::noise_db)
   bool interpolate = false;  // [target] interpolate: blend neighbouring samples
+  bool between = false;      // [target] between: textures are also solved for what they show half-way to the next sample
   float smoothing = 0.01f;   // [target] smoothing: of neighbouring samples' textures (host/infer/axis_smoothing.h)
   float exposure = 1;
   std::string profile = "kiosk-60";

@@ -159,13 +159,14 @@ void check_storage(const TomlView& view, const std::string& storage) {
 }
 
 void read_target(const TomlView& view, const fs::path& folder, Settings& settings) {
-  view.allow({"profile", "storage", "interpolate", "smoothing", "exposure"});
+  view.allow({"profile", "storage", "interpolate", "between", "smoothing", "exposure"});
   settings.profile = view.text("profile", settings.profile);
   std::error_code error;
   if (fs::is_regular_file(folder / settings.profile, error)) settings.profile = (folder / settings.profile).string();
   settings.storage = view.text("storage", settings.storage);
   check_storage(view, settings.storage);
   settings.interpolate = view.boolean("interpolate", settings.interpolate);
+  settings.between = view.boolean("between", settings.between);
   settings.smoothing = static_cast<float>(view.number("smoothing", settings.smoothing, 0, 1e3));
   settings.exposure = static_cast<float>(view.number("exposure", settings.exposure, 1e-6, 1e6));
 }

@@ -31,5 +31,14 @@ TEST(InferenceOptions, TexturesAreInferredForTheDrawingThatWillPlayThem) {
   EXPECT_EQ(options.filter, SurfaceFilter::kAnisotropic4);
 }
 
+// An image names the frames of the grid; whether others were traced beside them changes none of them.
+TEST(FrameKeys, AreThoseOfTheGridWhateverIsTracedBetween) {
+  const auto scene = load_scene(VITRINE_SOURCE_DIR "/tests/scenes/table");
+  const auto keys = frame_keys(*scene);
+  EXPECT_EQ(static_cast<int64_t>(keys.size()), scene->space().sample_count());
+  scene->settings.between = true;
+  EXPECT_EQ(frame_keys(*scene), keys);
+}
+
 }  // namespace
 }  // namespace vitrine::test

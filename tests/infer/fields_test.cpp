@@ -75,6 +75,43 @@ TEST(Fields, GroupsHoldEveryTextureOnceAndShareTheirStates) {
   for (const SolveGroup& group : specular) EXPECT_EQ(group.uses.size(), 1u);
 }
 
+TEST(BetweenSamples, LieHalfWayAlongAxesThatMoveTheCameraAlone) {
+  const auto scene = make_ball_on_board({.views = 4, .lamps = 2});
+  auto between = between_samples(*scene);
+  ASSERT_EQ(between.size(), 6u);  // none beyond the ends, none from lamp to lamp
+  EXPECT_EQ(between[1].axis, 0);
+  EXPECT_NEAR(between[1].position[0], 1.0 / 6, 1e-6);
+  EXPECT_EQ(between[1].position[1], 1);
+  EXPECT_EQ(between[1].beside, (std::array<int64_t, 2>{1, 3}));
+  scene->axes[0].shape.kind = AxisKind::kPeriodic;
+  between = between_samples(*scene);
+  ASSERT_EQ(between.size(), 8u);
+  EXPECT_NEAR(between[7].position[0], 7.0 / 8, 1e-6);
+  EXPECT_EQ(between[7].beside, (std::array<int64_t, 2>{7, 1}));
+  scene->objects[0].node = 1;  // the ball turns with the camera
+  EXPECT_TRUE(between_samples(*scene).empty());
+}
+
+TEST(BetweenSamples, ServeTheTexturesBesideThemThatDependOnTheirAxis) {
+  const auto scene = make_ball_on_board({.views = 4, .lamps = 2});
+  const Pose pose = pose_scene(*scene, {});
+  const std::vector<DrawnObject> objects{make_drawn_object(*scene, 0, world_from_object(*scene, pose, 0))};
+  const GeometryStates geometry = make_geometry_states(*scene, geometry_axes(*scene), objects, 4.0f / 3, between_samples(*scene));
+  EXPECT_EQ(geometry.table.grid_states, 4);
+  ASSERT_EQ(geometry.states.size(), 7u);
+  EXPECT_EQ(geometry.table.samples_of_state[4], (std::vector<int64_t>{8, 9}));
+  for (const SolveGroup& group : make_groups(scene->space(), field_over(*scene, kLamp), 0, geometry.table, 4))
+    EXPECT_EQ(group.uses.size(), 4u);
+  const auto specular = make_groups(scene->space(), field_over(*scene, kView | kLamp), 0, geometry.table, 4);
+  ASSERT_EQ(specular.size(), 4u);  // two lamps each
+  for (const SolveGroup& group : specular) {
+    const int64_t view = group.textures[0] / 2;
+    ASSERT_EQ(group.uses.size(), view == 0 || view == 3 ? 2u : 3u);
+    EXPECT_EQ(group.uses[0].state, view);
+    for (size_t u = 1; u < group.uses.size(); ++u) EXPECT_NEAR(group.uses[u].state - 4, static_cast<double>(view) - 0.5, 0.5);
+  }
+}
+
 TEST(Fields, TexturesThatLieDifferentlyAreNotSolvedTogether) {
   const auto scene = make_ball_on_board({.views = 4, .lamps = 6});
   const StateTable states = make_states(scene->space(), kView);

@@ -9,6 +9,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "host/infer/geometry_states.h"
 #include "tests/infer/test_scene.h"
 
 namespace vitrine::testing {
@@ -223,6 +224,75 @@ TEST_F(InferenceTest, LayersThatManyViewsSeeDrawTheFramesAgainAndAreTheSameBytes
   EXPECT_THROW(infer_textures(*orbit, keys, other.store(), *gpu, coarse, impatient), Interrupted);
   const Inference again = infer_textures(*orbit, keys, other.store(), *gpu, coarse, silent_progress());
   EXPECT_TRUE(all_textures(other.store(), again) == all_textures(store.store(), result));
+}
+
+// What the target shows at a position that is no sample: the textures of the nearest one, on exact geometry.
+std::vector<glm::vec3> draw_nearest(const Scene& scene, const Store& store, const Inference& inference, hal::Gpu& gpu,
+                                    const Position& position) {
+  TestRenderer renderer(gpu, kSmall, inference.objects);
+  const int64_t sample = scene.space().flat_from_index(scene.space().nearest_sample(position));
+  std::vector<std::vector<LaidTexture>> textures;
+  for (size_t i = 0; i < inference.objects.size(); ++i)
+    textures.push_back(load_object_textures(store, scene, inference, kLayers, static_cast<int>(i), sample));
+  const float aspect = static_cast<float>(kSmall.width) / static_cast<float>(kSmall.height);
+  const auto samples = draw_textures(renderer, geometry_state_at(scene, position, inference.objects, aspect), textures);
+  std::vector<glm::vec3> picture;
+  for (const glm::vec4& pixel : resolve_linear(samples, kSmall.width, kSmall.height, kSmall.supersampling))
+    picture.emplace_back(pixel);
+  return picture;
+}
+
+// A scene with frames at its grid samples and between them.
+class BetweenSamplesTest : public InferenceTest {
+ protected:
+  BetweenSamplesTest() {
+    for (int64_t i = 0; i < orbit->space().sample_count(); ++i)
+      positions.push_back(orbit->space().position_of(orbit->space().index_from_flat(i)));
+    grid = positions.size();
+    for (const BetweenSample& between : between_samples(*orbit)) positions.push_back(between.position);
+    // Light that stays on the surface but is not known to: every view has textures of its own, and some of the board is hidden.
+    Truth truth = smooth_truth();
+    truth.specular = [diffuse = truth.diffuse](int object, glm::vec2 uv, float, int lamp) { return diffuse(object, uv, lamp); };
+    truth.diffuse = [](int, glm::vec2, int) { return glm::vec3(0); };
+    keys = draw_frames_at(*orbit, truth, positions, kSmall, *gpu, store.store());
+  }
+  std::vector<StoreKey> grid_keys() const { return {keys.begin(), keys.begin() + static_cast<ptrdiff_t>(grid)}; }
+  Inference infer_from(const std::vector<StoreKey>& frame_keys, const Store& where) const {
+    return infer_textures(*orbit, frame_keys, where, *gpu, kSmall, silent_progress());
+  }
+  // Decibels of what is shown at position number i.
+  double quality(const Inference& result, size_t i) {
+    return psnr(draw_nearest(*orbit, store.store(), result, *gpu, positions[i]), load(store.store(), keys[i], *orbit).combined);
+  }
+
+  std::unique_ptr<Scene> orbit = make_ball_on_board({.views = 6, .lamps = 2});  // more states than are read at once
+  ScratchStore store;
+  std::vector<Position> positions;
+  size_t grid = 0;
+  std::vector<StoreKey> keys;
+};
+
+TEST_F(BetweenSamplesTest, WhatComesIntoViewHalfWayIsDrawnRight) {
+  const Inference plain = infer_from(grid_keys(), store.store()), both = infer_from(keys, store.store());
+  ASSERT_EQ(both.fields.size(), 2u);
+  for (size_t i = 0; i < positions.size(); ++i) {
+    const double without = quality(plain, i), with = quality(both, i);
+    EXPECT_GT(with, i < grid ? without - 1 : without + 3) << (i < grid ? "sample " : "half-way, number ") << i;
+  }
+}
+
+TEST_F(BetweenSamplesTest, TheSameBytesHoweverTheyCameAbout) {
+  const Inference result = infer_from(keys, store.store());
+  tbb::global_control control(tbb::global_control::max_allowed_parallelism, 1);
+  ScratchStore other;
+  for (const StoreKey& key : keys) other.store().save_frame(key, *orbit, load(store.store(), key, *orbit));
+  for (const int64_t steps : {1, 7}) {
+    Impatient impatient(steps);
+    EXPECT_THROW(infer_textures(*orbit, keys, other.store(), *gpu, kSmall, impatient), Interrupted);
+  }
+  const Inference again = infer_from(keys, other.store());
+  EXPECT_TRUE(all_textures(other.store(), again) == all_textures(store.store(), result));
+  for (size_t f = 0; f < result.fields.size(); ++f) EXPECT_EQ(again.fields[f].importance, result.fields[f].importance);
 }
 
 TEST_F(InferenceTest, PixelsThatAreNoNumbersSpoilNoTexture) {

@@ -141,10 +141,10 @@ Truth smooth_truth() {
             const float a = static_cast<float>(object), l = static_cast<float>(lamp);
             return glm::vec3(wave(9 * uv.x + a + l), wave(11 * uv.y + 2 * a), wave(7 * (uv.x + uv.y) + l)) * 0.7f;
           },
-          [wave](int object, glm::vec2 uv, int view, int lamp) {
+          [wave](int object, glm::vec2 uv, float view, int lamp) {
             if (object == 1) return glm::vec3(0);
-            const float v = static_cast<float>(view), l = static_cast<float>(lamp);
-            return glm::vec3(0.3f * wave(8 * uv.x + 0.7f * v) * wave(6 * uv.y - l));
+            const float l = static_cast<float>(lamp);
+            return glm::vec3(0.3f * wave(8 * uv.x + 0.7f * view) * wave(6 * uv.y - l));
           }};
 }
 
@@ -158,6 +158,14 @@ ScratchStore::~ScratchStore() { std::filesystem::remove_all(path_); }
 std::vector<StoreKey> draw_frames(const Scene& scene, const Truth& truth, const InferenceOptions& o, hal::Gpu& gpu,
                                   const Store& store) {
   const ParameterSpace space = scene.space();
+  std::vector<Position> positions;
+  for (int64_t i = 0; i < space.sample_count(); ++i) positions.push_back(space.position_of(space.index_from_flat(i)));
+  return draw_frames_at(scene, truth, positions, o, gpu, store);
+}
+
+std::vector<StoreKey> draw_frames_at(const Scene& scene, const Truth& truth, const std::vector<Position>& positions,
+                                     const InferenceOptions& o, hal::Gpu& gpu, const Store& store) {
+  const ParameterSpace space = scene.space();
   const Pose pose = pose_scene(scene, space.position_of({}));
   std::vector<DrawnObject> objects;
   for (int i = 0; i < static_cast<int>(scene.objects.size()); ++i)
@@ -165,8 +173,9 @@ std::vector<StoreKey> draw_frames(const Scene& scene, const Truth& truth, const 
   TestRenderer renderer(gpu, o, objects);
   std::vector<glm::vec4> samples(static_cast<size_t>(renderer.width() * renderer.height()));
   std::vector<StoreKey> keys;
-  for (int64_t sample = 0; sample < space.sample_count(); ++sample) {
-    const GridIndex at = space.index_from_flat(sample);
+  for (const Position& position : positions) {
+    const float view = space.sample_coordinate(0, position[0]);
+    const int lamp = space.nearest_sample(position)[1];
     const size_t pixels = static_cast<size_t>(o.width * o.height);
     Frame frame{o.width, o.height, std::vector<glm::vec3>(pixels, glm::vec3(0)), {}};
     for (int i = 0; i < static_cast<int>(objects.size()); ++i)
@@ -176,16 +185,16 @@ std::vector<StoreKey> draw_frames(const Scene& scene, const Truth& truth, const 
       std::vector<hal::Texture> textures;
       for (int i = 0; i < static_cast<int>(objects.size()); ++i)
         textures.push_back(upload_truth(gpu, renderer.drawer(), i, [&](glm::vec2 uv) {
-          return layer == Layer::kDiffuse ? truth.diffuse(i, uv, at[1]) : truth.specular(i, uv, at[0], at[1]);
+          return layer == Layer::kDiffuse ? truth.diffuse(i, uv, lamp) : truth.specular(i, uv, view, lamp);
         }));
-      renderer.render(geometry_state_at(scene, sample, objects, static_cast<float>(o.width) / static_cast<float>(o.height)),
+      renderer.render(geometry_state_at(scene, position, objects, static_cast<float>(o.width) / static_cast<float>(o.height)),
                       textures, samples);
       resolve_layer(samples, o, layer, frame);
       for (const hal::Texture texture : textures) gpu.destroy(texture);
     }
     KeyBuilder key;
     key.text("drawn frame");
-    key.integer(sample);
+    key.integer(static_cast<int64_t>(keys.size()));
     key.bytes(frame.combined.data(), frame.combined.size() * sizeof(glm::vec3));
     keys.push_back(key.finish());
     store.save_frame(keys.back(), scene, frame);

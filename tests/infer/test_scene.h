@@ -35,10 +35,10 @@ struct ShownObjects {
 ShownObjects board_and_card(int board_width, int board_height, int card_width, int card_height);
 GeometryState looking_down(const ShownObjects& shown, float aspect, float height);
 
-// Radiance of an object's surface at (u, v) of its whole texture domain.
+// Radiance of an object's surface at (u, v) of its whole texture domain. `view`: in grid samples.
 struct Truth {
   std::function<glm::vec3(int object, glm::vec2 uv, int lamp)> diffuse;
-  std::function<glm::vec3(int object, glm::vec2 uv, int view, int lamp)> specular;
+  std::function<glm::vec3(int object, glm::vec2 uv, float view, int lamp)> specular;
 };
 Truth smooth_truth();
 
@@ -55,7 +55,10 @@ class ScratchStore {
   std::unique_ptr<Store> store_;
 };
 
-// Draws the frames of all grid samples into the store; returns their keys.
+// Draws frames into the store; returns their keys.
+std::vector<StoreKey> draw_frames_at(const Scene& scene, const Truth& truth, const std::vector<Position>& positions,
+                                     const InferenceOptions& options, hal::Gpu& gpu, const Store& store);
+// Those of all grid samples.
 std::vector<StoreKey> draw_frames(const Scene& scene, const Truth& truth, const InferenceOptions& options, hal::Gpu& gpu,
                                   const Store& store);
 

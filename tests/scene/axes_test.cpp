@@ -205,12 +205,13 @@ TEST(VariantsSwitch, PoseChoosesTheMaterials) {
 
 TEST(ObjectEntries, OverrideWhatTheLoaderChose) {
   const Folder folder;
-  const auto scene = test::load(
-      folder, Model::triangle(),
-      "[[object]]\nnode = \"thing\"\nresolution_scale = 1.5\n[target]\nstorage = \"12 MB\"\ninterpolate = true\nexposure = 2\n");
+  const auto scene = test::load(folder, Model::triangle(),
+                                "[[object]]\nnode = \"thing\"\nresolution_scale = 1.5\n[target]\nstorage = \"12 "
+                                "MB\"\ninterpolate = true\nbetween = true\nexposure = 2\n");
   EXPECT_EQ(scene->objects[0].resolution_scale, 1.5f);
   EXPECT_EQ(scene->settings.storage, "12 MB");
   EXPECT_TRUE(scene->settings.interpolate);
+  EXPECT_TRUE(scene->settings.between);
   EXPECT_EQ(scene->settings.exposure, 2);
   const auto dome = test::load(folder, Model::triangle(),
                                "environment = [1, 1, 1]\n[[object]]\nnode = \"background\"\nresolution_scale = 0.5\n");

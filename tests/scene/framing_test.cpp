@@ -250,7 +250,8 @@ TEST(NewScene, WritesEveryKeyThatIsRead) {
                           "resolution_scale",
                           "profile",
                           "storage",
-                          "interpolate"})
+                          "interpolate",
+                          "between"})
     EXPECT_NE(text.find(std::string(key) + " = "), std::string::npos) << key;
 }
 

@@ -29,6 +29,7 @@ const Mistake kMistakes[] = {
     {"samples_per_pixel = nan\n", "\"samples_per_pixel\" is nan"},
     {"noise = 5\n", "\"noise\" is 5"},
     {"caustics = 1\n", "\"caustics\""},
+    {"[target]\nbetween = 1\n", "\"between\""},
     {"exposure = inf\n", "\"exposure\" is inf"},
     {"environment = [1, 2]\n", "\"environment\" is not a list of 3 numbers"},
     {"environment = [1, -2, 1]\n", "\"environment\" is -2"},
