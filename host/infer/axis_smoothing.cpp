@@ -9,7 +9,6 @@ namespace vitrine {
 namespace {
 
 constexpr int kSweeps = 12;     // of Gauss and Seidel: there and back
-constexpr float kHold = 1e-4f;  // precision of what no sample sees: keeps what inference filled in
 
 // Pairs of samples of the box, by their place in it.
 std::vector<std::vector<size_t>> neighbours_of(const ParameterSpace& space, const FieldShape::Box& box) {
@@ -50,9 +49,9 @@ void start(const std::vector<size_t>& parts, float strength, const TexelsOfSampl
   for (size_t i = 0; i < textures[0].texels.size(); ++i) {
     std::vector<glm::vec4> sums(textures.size(), glm::vec4(0));
     for (size_t s = 0; s < textures.size(); ++s)
-      sums[parts[s]] += (textures[s].precision[i] + kHold) * glm::vec4(inferred[s][i], 1);
+      sums[parts[s]] += (textures[s].precision[i] + textures[s].hold) * glm::vec4(inferred[s][i], 1);
     for (size_t s = 0; s < textures.size(); ++s) {
-      const float own = textures[s].precision[i] + kHold;
+      const float own = textures[s].precision[i] + textures[s].hold;
       const glm::vec4& sum = sums[parts[s]];
       textures[s].texels[i] = (own * inferred[s][i] + strength / sum.w * glm::vec3(sum)) / (own + strength);
     }
@@ -62,7 +61,7 @@ void start(const std::vector<size_t>& parts, float strength, const TexelsOfSampl
 void relax(size_t s, const std::vector<size_t>& neighbours, float strength, const TexelsOfSamples& inferred,
            std::vector<SolvedTexture>& textures) {
   for (size_t i = 0; i < textures[0].texels.size(); ++i) {
-    const float own = textures[s].precision[i] + kHold;
+    const float own = textures[s].precision[i] + textures[s].hold;
     glm::vec3 sum = own * inferred[s][i];
     for (const size_t t : neighbours) sum += strength * textures[t].texels[i];
     textures[s].texels[i] = sum / (own + strength * static_cast<float>(neighbours.size()));

@@ -18,10 +18,14 @@ namespace vitrine {
 struct SolvedTexture {
   std::vector<glm::vec3> texels;
   std::vector<float> precision;
+  // Holds each texel where it is beside its precision: what no pixel sees keeps what inference filled in. Where inference saw
+  // nothing of a texture it had nothing to fill in from.
+  float hold = kHold;
+  static constexpr float kHold = 1e-4f, kHoldUnseen = 1e-12f;
 };
 
 // Minimizes, texel by texel, over the samples s of a box of the grid
-//   sum_s precision_s |x_s - inferred_s|^2 + strength * sum over neighbours s, t of |x_s - x_t|^2.
+//   sum_s (precision_s + hold_s) |x_s - inferred_s|^2 + strength * sum over neighbours s, t of |x_s - x_t|^2.
 // `textures`: row-major over `box`, all of one size. Samples next to each other along a discrete axis are no neighbours.
 void smooth_over_axes(const ParameterSpace& space, const FieldShape::Box& box, float strength,
                       std::vector<SolvedTexture>& textures);

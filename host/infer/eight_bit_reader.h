@@ -13,6 +13,7 @@
 // slope of the least-squares line through five intensities, of which a second rendering of a pattern brings four at once, as it
 // needs no numbers any more; and what a row then lacks of 1 is shared among its entries. Weights below half a step vanish.
 // Devices filter bytes with coarser fractions than floats, so what is read is theirs, not what floats would give.
+// infer_textures itself still surveys surfaces in floats, and so refuses such a device.
 #pragma once
 
 #include "host/infer/filter_neighbourhood.h"

@@ -9,10 +9,13 @@
 #include <numeric>
 #include <set>
 
+#include "host/base/error.h"
+
 namespace vitrine {
 namespace {
 
 constexpr int kSizeStep = 8;
+constexpr size_t kMostMaps = 65535;  // formats/SPEC.md
 
 // Samples that a texture of sample `at` along an axis may be shown beside: its neighbours, where there is anything between.
 std::vector<int> beside(const AxisShape& axis, int at) {
@@ -131,8 +134,12 @@ void lay_out(const StateTable& states, const ParameterSpace& space, std::span<co
   if (options.one_map) blocks.assign(1, all_states(surfaces.size()));
   std::map<std::vector<int>, uint16_t> numbers;
   field.block_maps.clear();
-  for (const auto& block : blocks)
+  for (const auto& block : blocks) {
+    if (numbers.size() > kMostMaps)
+      throw InputError("textures", "a field's blocks are seen in more ways than an image can hold",
+                       "use fewer samples along an axis");
     field.block_maps.push_back(numbers.emplace(block, static_cast<uint16_t>(numbers.size())).first->second);
+  }
   std::vector<VisibleSurface> regions(numbers.size());
   for (const auto& [region, number] : numbers) regions[number] = together_of(surfaces, region);
   const std::vector<TextureFit> fits = fit_together(regions, options.fit);

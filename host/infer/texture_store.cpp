@@ -14,7 +14,7 @@ namespace vitrine {
 namespace {
 
 constexpr float kLargestHalf = 65504;
-constexpr int kSmoothingVersion = 3;  // changes whenever the same input would give other textures
+constexpr int kSmoothingVersion = 4;  // changes whenever the same input would give other textures
 constexpr size_t kTexelsAtOnce = 512;
 constexpr size_t kPlanes = 4;
 const std::array<const char*, kPlanes> kNames = {"B", "G", "R", "precision"};  // in the order of OpenEXR
@@ -43,6 +43,8 @@ class Block {
         planes[p].reserve(image.planes[p].values.size());
         for (const float value : image.planes[p].values) planes[p].push_back(half_from_float(value));
       }
+      const auto& precision = image.planes[3].values;
+      seen_.push_back(std::any_of(precision.begin(), precision.end(), [](float value) { return value > 0; }));
     }
   }
 
@@ -54,6 +56,7 @@ class Block {
       for (size_t t = 0; t < parts.size(); ++t) {
         parts[t].texels.resize(last - first);
         parts[t].precision.resize(last - first);
+        parts[t].hold = seen_[t] ? SolvedTexture::kHold : SolvedTexture::kHoldUnseen;
         for (size_t p = 0; p < kPlanes; ++p)
           for (size_t i = first; i < last; ++i) value_of(parts[t], p, i - first) = float_from_half(textures_[t][p][i]);
       }
@@ -75,6 +78,7 @@ class Block {
 
  private:
   TextureSize size_;
+  std::vector<bool> seen_;  // anything of a texture
   std::vector<std::array<std::vector<uint16_t>, kPlanes>> textures_;
 };
 

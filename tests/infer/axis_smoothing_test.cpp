@@ -54,6 +54,20 @@ TEST(AxisSmoothing, WhatNoSampleButOneSeesIsTheSameInAll) {
     for (int c = 0; c < 3; ++c) EXPECT_NEAR(t.texels[170][c], seen[c], 0.05f);
 }
 
+// At the strength that scenes have, not to be drawn to the black that inference leaves.
+TEST(AxisSmoothing, ASampleThatSeesNothingTakesWhatOthersKnow) {
+  auto textures = random_textures(4, 0);
+  for (SolvedTexture& t : textures) {
+    t.texels.assign(4, glm::vec3(0));
+    t.hold = SolvedTexture::kHoldUnseen;
+  }
+  textures[7].texels.assign(4, glm::vec3(1));
+  textures[7].precision.assign(4, 1);
+  textures[7].hold = SolvedTexture::kHold;
+  smooth_over_axes(two_axes(), kBox, 0.01f, textures);
+  for (const SolvedTexture& t : textures) EXPECT_NEAR(t.texels[2].x, 1, 0.01f);
+}
+
 TEST(AxisSmoothing, WhatThePictureDeterminesStays) {
   const auto inferred = random_textures(40, 1);
   auto textures = inferred;
