@@ -10,6 +10,7 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "host/infer/convex_hull.h"
 #include "host/infer/uv_raster.h"
 
 namespace vitrine {
@@ -101,23 +102,6 @@ Frame3 frame_of(const Mesh& mesh, std::span<const uint32_t> triangles) {
 
 float cross(const glm::vec2& a, const glm::vec2& b) { return a.x * b.y - a.y * b.x; }
 
-std::vector<glm::vec2> convex_hull(std::vector<glm::vec2> points) {  // Andrew's monotone chain
-  std::sort(points.begin(), points.end(), [](const auto& a, const auto& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); });
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  if (points.size() < 3) return points;
-  std::vector<glm::vec2> hull;
-  for (int pass = 0; pass < 2; ++pass) {
-    const size_t base = hull.size();
-    for (const glm::vec2& p : points) {
-      while (hull.size() >= base + 2 && cross(hull.back() - hull[hull.size() - 2], p - hull.back()) <= 0) hull.pop_back();
-      hull.push_back(p);
-    }
-    hull.pop_back();
-    std::reverse(points.begin(), points.end());
-  }
-  return hull;
-}
-
 struct Rectangle {
   glm::vec2 axis{1, 0}, low{0}, size{0};
 };
@@ -135,7 +119,7 @@ Rectangle bounds_along(std::span<const glm::vec2> points, const glm::vec2& axis)
 
 // One side of the smallest rectangle lies on an edge of the hull (Freeman and Shapira 1975).
 Rectangle smallest_rectangle(std::span<const glm::vec2> points) {
-  const std::vector<glm::vec2> hull = convex_hull({points.begin(), points.end()});
+  const std::vector<glm::vec2> hull = convex_hull(points);
   Rectangle best = bounds_along(hull, {1, 0});
   const size_t step = std::max<size_t>(1, hull.size() / 256);
   for (size_t i = 0; i < hull.size(); i += step) {

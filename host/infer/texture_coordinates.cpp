@@ -9,13 +9,15 @@
 #include <numbers>
 #include <vector>
 
+#include "host/infer/convex_hull.h"
+
 namespace vitrine {
 namespace {
 
 constexpr size_t kFewSamples = 20000, kSearchedSamples = 2500;  // enough to fit four numbers
 constexpr int kIterations = 60;                                 // of conjugate gradients
 constexpr int kStretchSteps = 100;
-constexpr int kSmallestGap = 4;  // cells
+constexpr int kSmallestGap = 4;          // cells
 constexpr double kLargestStretch = 1e4;  // square pixels: what has no area in the texture counts no more
 constexpr int kTurns = 90;               // directions of rectangles in a quarter turn
 // A turned texture costs the coder more than the texels that a slight turn saves: lines of the surface no longer run along it.
@@ -61,31 +63,6 @@ LeastStretch least_singular(const glm::dmat2& m) {
   const double spread = std::hypot(half, off);
   const double angle = 0.5 * std::atan2(off, half) + std::numbers::pi / 2;
   return {std::sqrt(std::max(0.0, mean - spread)), {std::cos(angle), std::sin(angle)}};
-}
-
-double cross(const glm::vec2& a, const glm::vec2& b) {
-  return static_cast<double>(a.x) * static_cast<double>(b.y) - static_cast<double>(a.y) * static_cast<double>(b.x);
-}
-
-// Andrew's monotone chain.
-std::vector<glm::vec2> convex_hull(std::span<const glm::vec2> from) {
-  std::vector<glm::vec2> points(from.begin(), from.end());
-  const auto before = [](const glm::vec2& a, const glm::vec2& b) { return a.x < b.x || (a.x == b.x && a.y < b.y); };
-  std::sort(points.begin(), points.end(), before);
-  points.erase(std::unique(points.begin(), points.end()), points.end());
-  if (points.size() < 3) return points;
-  std::vector<glm::vec2> hull;
-  for (int side = 0; side < 2; ++side) {
-    const size_t first = hull.size();
-    for (const glm::vec2& p : points) {
-      while (hull.size() >= first + 2 && cross(hull.back() - hull[hull.size() - 2], p - hull[hull.size() - 2]) <= 0)
-        hull.pop_back();
-      hull.push_back(p);
-    }
-    hull.pop_back();  // the other side begins there
-    std::reverse(points.begin(), points.end());
-  }
-  return hull;
 }
 
 glm::mat2 turn_by(float angle) { return {std::cos(angle), std::sin(angle), -std::sin(angle), std::cos(angle)}; }
