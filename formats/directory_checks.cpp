@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "formats/context_changes.h"
 #include "formats/image.h"
 #include "formats/mesh.h"
 #include "formats/node_coding.h"
@@ -206,10 +207,19 @@ class ObjectChecker {
     if (indices < 3 || indices > limits::kIndices || indices % 3 != 0)
       return malformed("an object has an impossible number of indices");
     if (culled > indices || culled % 3 != 0) return malformed("an object has an impossible number of single-sided indices");
-    if (!sections_.take(object.vertices(), fb::SectionKind::vertices) ||
-        !sections_.take(object.indices(), fb::SectionKind::indices))
-      return malformed("an object's mesh is not in the sections that it must be in");
+    if (!sections_.take(object.mesh(), fb::SectionKind::mesh))
+      return malformed("an object's mesh is not in the section that it must be in");
+    if (object.coded_vertex_bytes() > coded_vertex_bound(vertices) ||
+        object.coded_index_bytes() > coded_index_bound(indices, vertices))
+      return malformed("an object's mesh is of an impossible size");
     memory_ += uint64_t{2} * (sizeof(MeshVertex) * vertices + sizeof(uint32_t) * indices);
+    return check_grid(object);
+  }
+
+  static Status check_grid(const fb::Object& object) {
+    const fb::Vec3& origin = *object.grid_origin();
+    for (const float value : {origin.x(), origin.y(), origin.z(), object.grid_step()})
+      if (!in_range(value, -limits::kLength, limits::kLength)) return malformed("an object's grid of vertices is impossible");
     return {};
   }
 
@@ -230,8 +240,8 @@ class ObjectChecker {
     if (Status status = check_texture(field); !status.ok()) return status;
     if (Status status = check_maps(*field.maps()); !status.ok()) return status;
     if (Status status = check_shape(field); !status.ok()) return status;
-    if (!sections_.take(field.nodes(), fb::SectionKind::nodes) || !sections_.take(field.contexts(), fb::SectionKind::contexts))
-      return malformed("a field's data are not in the sections that they must be in");
+    if (!sections_.take(field.nodes(), fb::SectionKind::nodes))
+      return malformed("a field's nodes are not in the section that they must be in");
     if (Status status = check_contexts(field); !status.ok()) return status;
     if (Status status = check_nodes(field); !status.ok()) return status;
     return check_block_maps(field);
@@ -272,14 +282,6 @@ class ObjectChecker {
     return {};
   }
 
-  // Either none, for the coder's built-in states, or a set for every level.
-  Status check_contexts(const fb::Field& field) {
-    const uint64_t bytes = image_.sections()->Get(field.contexts())->size();
-    if (bytes != 0 && bytes != field.level_steps()->size() / 3 * kContextBytesPerLevel)
-      return malformed("a field has not one set of contexts per level");
-    return {};
-  }
-
   Status check_shape(const fb::Field& field) {
     const uint32_t axes = image_.axes()->size(), cells = field.cells()->size();
     if (field.block_size()->size() != axes || field.stagger()->size() != axes)
@@ -295,6 +297,12 @@ class ObjectChecker {
       if (step < 1) return malformed("a quantizer step is zero");
     if (!shape_from_directory(image_, field).valid()) return malformed("a field's blocks and pyramid contradict each other");
     return {};
+  }
+
+  static Status check_contexts(const fb::Field& field) {
+    std::array<uint8_t, kMaxLevels * kContextBytesPerLevel> contexts;
+    const size_t levels = field.level_steps()->size() / 3;
+    return expand_contexts(context_changes_of(field), std::span(contexts).first(levels * kContextBytesPerLevel));
   }
 
   Status check_nodes(const fb::Field& field) {

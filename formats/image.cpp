@@ -5,7 +5,9 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <new>
 
+#include "formats/compressed.h"
 #include "formats/directory_checks.h"
 #include "formats/image_header.h"
 
@@ -31,9 +33,19 @@ constexpr flatbuffers::uoffset_t kMaxDepth = 64;
 constexpr flatbuffers::uoffset_t kMaxTables =
     kMaxRigNodes + limits::kRigTracks + kMaxObjects * (1 + limits::kFieldsPerObject) + kMaxAxes + 3;
 
-Result<const fb::Image*> read_directory(Bytes bytes, uint64_t checksum) {
-  if (bytes.size() > limits::kDirectoryBytes) return Status{StatusCode::kMalformed, "the directory is too large"};
-  if (checksum_of(bytes) != checksum) return Status{StatusCode::kChecksumMismatch, "the directory is damaged"};
+using DirectoryMemory = std::shared_ptr<const std::byte[]>;
+
+Result<DirectoryMemory> expand_directory(Bytes packed, const ImageHeader& header) {
+  if (header.directory_plain_bytes > limits::kDirectoryBytes) return Status{StatusCode::kMalformed, "the directory is too large"};
+  if (checksum_of(packed) != header.directory_checksum) return Status{StatusCode::kChecksumMismatch, "the directory is damaged"};
+  std::byte* plain = new (std::nothrow) std::byte[header.directory_plain_bytes];
+  if (!plain) return Status{StatusCode::kOutOfMemory, "there is no memory for the directory"};
+  DirectoryMemory memory(plain);
+  if (Status status = expand(packed, {plain, header.directory_plain_bytes}); !status.ok()) return status;
+  return memory;
+}
+
+Result<const fb::Image*> read_directory(Bytes bytes) {
   flatbuffers::Verifier verifier(reinterpret_cast<const uint8_t*>(bytes.data()), bytes.size(), kMaxDepth, kMaxTables);
   if (!fb::VerifyImageBuffer(verifier)) return Status{StatusCode::kMalformed, "the directory is not well formed"};
   const fb::Image* image = fb::GetImage(bytes.data());
@@ -48,10 +60,19 @@ bool all_zero(Bytes bytes) {
   return std::all_of(bytes.begin(), bytes.end(), [](std::byte b) { return b == std::byte{0}; });
 }
 
+// What follows the directory and the zeros behind it.
+Result<Bytes> sections_of(Bytes file, uint64_t directory_end) {
+  const uint64_t begin = aligned_offset(directory_end);
+  if (begin > file.size()) return Status{StatusCode::kMalformed, "the file ends behind its directory"};
+  if (!all_zero(file.subspan(directory_end, begin - directory_end)))
+    return Status{StatusCode::kMalformed, "the bytes behind the directory are not zero"};
+  return file.subspan(begin);
+}
+
 // Each section begins where the one before it ended, rounded up to the alignment, and zeros fill the gaps: so no two overlap
-// and every byte of the file is accounted for.
-Status check_layout(Bytes file, const fb::Image& image, uint64_t directory_end) {
-  uint64_t end = directory_end;
+// and every byte of the file is accounted for. `file`: from the first section on.
+Status check_layout(Bytes file, const fb::Image& image) {
+  uint64_t end = 0;
   for (const fb::Section* section : *image.sections()) {
     const uint64_t begin = aligned_offset(end);
     if (section->kind() > fb::SectionKind::MAX) return {StatusCode::kMalformed, "a section is of an unknown kind"};
@@ -104,16 +125,21 @@ Result<ImageView> ImageView::open(std::span<const std::byte> file) {
     return Status{StatusCode::kUnsupported, "the image is not mapped at a multiple of 64 bytes"};
   const Result<ImageHeader> header = read_header(file);
   if (!header.ok()) return header.status();
-  const uint64_t directory_bytes = header.value().directory_bytes;
-  const Result<const fb::Image*> directory =
-      read_directory(file.subspan(kHeaderBytes, directory_bytes), header.value().directory_checksum);
+  const Bytes packed = file.subspan(kHeaderBytes, header.value().directory_bytes);
+  const Result<DirectoryMemory> memory = expand_directory(packed, header.value());
+  if (!memory.ok()) return memory.status();
+  const Result<const fb::Image*> directory = read_directory({memory.value().get(), header.value().directory_plain_bytes});
   if (!directory.ok()) return directory.status();
   const fb::Image& image = *directory.value();
-  if (Status status = check_layout(file, image, kHeaderBytes + directory_bytes); !status.ok()) return status;
-  if (Status status = check_checksums(file, image); !status.ok()) return status;
+  const Result<Bytes> sections = sections_of(file, kHeaderBytes + packed.size());
+  if (!sections.ok()) return sections.status();
+  if (Status status = check_layout(sections.value(), image); !status.ok()) return status;
+  if (Status status = check_checksums(sections.value(), image); !status.ok()) return status;
   if (Status status = check_directory(image); !status.ok()) return status;
   ImageView view;
   view.file_ = file;
+  view.sections_ = sections.value();
+  view.memory_ = memory.value();
   view.directory_ = &image;
   view.version_ = header.value().version;
   return view;
@@ -121,7 +147,7 @@ Result<ImageView> ImageView::open(std::span<const std::byte> file) {
 
 std::span<const std::byte> ImageView::section(uint32_t index) const {
   const fb::Section& section = *directory_->sections()->Get(index);
-  return file_.subspan(section.offset(), section.size());
+  return sections_.subspan(section.offset(), section.size());
 }
 
 ParameterSpace ImageView::space() const { return space_from_directory(*directory_); }

@@ -12,7 +12,7 @@ namespace {
 
 // Byte offsets of the header's fields.
 constexpr size_t kVersionAt = 8, kHeaderBytesAt = 12, kTotalBytesAt = 16, kDirectoryAt = 24, kDirectoryBytesAt = 32,
-                 kDirectoryChecksumAt = 40, kReservedAt = 48, kHeaderChecksumAt = 56;
+                 kDirectoryChecksumAt = 40, kDirectoryPlainBytesAt = 48, kHeaderChecksumAt = 56;
 
 uint64_t read_little(std::span<const std::byte> bytes, size_t at, int width) {
   uint64_t value = 0;
@@ -49,12 +49,12 @@ Result<ImageHeader> read_header(std::span<const std::byte> file) {
     return Status{StatusCode::kUnsupportedVersion, "the image is of a version that this engine does not read"};
   if (read_little(file, kHeaderChecksumAt, 8) != checksum_of(file.first(kHeaderChecksumAt)))
     return Status{StatusCode::kChecksumMismatch, "the header is damaged"};
-  if (read_little(file, kHeaderBytesAt, 4) != kHeaderBytes || read_little(file, kDirectoryAt, 8) != kHeaderBytes ||
-      read_little(file, kReservedAt, 8) != 0)
+  if (read_little(file, kHeaderBytesAt, 4) != kHeaderBytes || read_little(file, kDirectoryAt, 8) != kHeaderBytes)
     return Status{StatusCode::kMalformed, "the header contradicts its version"};
   header.total_bytes = read_little(file, kTotalBytesAt, 8);
   header.directory_bytes = read_little(file, kDirectoryBytesAt, 8);
   header.directory_checksum = read_little(file, kDirectoryChecksumAt, 8);
+  header.directory_plain_bytes = read_little(file, kDirectoryPlainBytesAt, 8);
   if (Status status = check_sizes(header, file.size()); !status.ok()) return status;
   return header;
 }
@@ -68,6 +68,7 @@ std::array<std::byte, kHeaderBytes> write_header(const ImageHeader& header) {
   write_little(bytes, kDirectoryAt, 8, kHeaderBytes);
   write_little(bytes, kDirectoryBytesAt, 8, header.directory_bytes);
   write_little(bytes, kDirectoryChecksumAt, 8, header.directory_checksum);
+  write_little(bytes, kDirectoryPlainBytesAt, 8, header.directory_plain_bytes);
   write_little(bytes, kHeaderChecksumAt, 8, checksum_of(std::span(bytes).first(kHeaderChecksumAt)));
   return bytes;
 }

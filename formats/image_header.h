@@ -17,8 +17,9 @@ inline constexpr size_t kHeaderBytes = 64;
 
 struct ImageHeader {
   uint32_t version = 0;
-  uint64_t total_bytes = 0;  // of the file
-  uint64_t directory_bytes = 0;
+  uint64_t total_bytes = 0;            // of the file
+  uint64_t directory_bytes = 0;        // as it lies in the file
+  uint64_t directory_plain_bytes = 0;  // expanded
   uint64_t directory_checksum = 0;
 };
 

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "formats/context_changes.h"
 #include "target/engine_state.h"
 
 namespace vitrine {
@@ -19,12 +20,6 @@ Motion motion_of(const ImageView& image) {
     motion.max_speed[a] = axis.kind() == fb::AxisKind::discrete ? 0.0f : axis.max_speed();
   }
   return motion;
-}
-
-Status check_contexts(const FieldState& field) {
-  const size_t expected = static_cast<size_t>(field.shape.pyramid.level_count) * kContextBytesPerLevel;
-  if (field.contexts.empty() || field.contexts.size() == expected) return {};
-  return {StatusCode::kMalformed, "a field has a wrong number of coding contexts"};
 }
 
 }  // namespace
@@ -50,8 +45,8 @@ Result<std::unique_ptr<Engine>> Engine::load(const ImageView& image, hal::Gpu& g
   state->options = options;
   state->lay_out(arena);
   if (arena.failed()) return Status{StatusCode::kOutOfMemory, "the engine's block is too small for the image"};
-  for (const FieldState& field : state->fields)
-    if (Status status = check_contexts(field); !status.ok()) return status;
+  for (FieldState& field : state->fields)
+    if (Status status = expand_contexts(context_changes_of(*field.field), field.contexts); !status.ok()) return status;
   state->gpu = &gpu;
   if (Status status = state->create_drawer(); !status.ok()) return status;
   if (Status status = state->create_objects(); !status.ok()) return status;

@@ -45,10 +45,7 @@ NodeDesc FieldState::desc_of(uint32_t node) const {
   desc.width = width;
   desc.height = height;
   for (uint32_t p = 0; p < 3; ++p) desc.steps[p] = field->level_steps()->Get(3 * level + p);
-  if (!contexts.empty()) {
-    const auto of_level = contexts.subspan(level * kContextBytesPerLevel, kContextBytesPerLevel);
-    desc.contexts = {reinterpret_cast<const uint8_t*>(of_level.data()), of_level.size()};
-  }
+  desc.contexts = contexts.subspan(level * kContextBytesPerLevel, kContextBytesPerLevel);
   desc.units = field->node_units()->Get(node);
   return desc;
 }
@@ -104,7 +101,6 @@ FieldState describe_field(const ImageView& image, const fb::Field& field, const 
   state.height = static_cast<int>(field.texture_height());
   state.corner_count = corners_of(state.shape.space, motion.interpolate);
   state.coded = image.section(field.nodes());
-  state.contexts = image.section(field.contexts());
   state.nodes_per_block = state.shape.nodes_per_block();
   int first = 0;
   for (int level = 0; level < state.shape.pyramid.level_count; ++level) {
@@ -124,6 +120,8 @@ void take_node_tables(FieldState& field, Arena& arena) {
   const auto& bytes = *field.field->node_bytes();
   field.offset = arena.take<uint64_t>(bytes.size());
   field.slot = arena.take<int32_t>(bytes.size());
+  field.contexts =
+      arena.take_uninitialized<uint8_t>(static_cast<size_t>(field.shape.pyramid.level_count) * kContextBytesPerLevel);
   if (field.slot.empty()) return;
   uint64_t offset = 0;
   for (uint32_t node = 0; node < bytes.size(); ++node) {

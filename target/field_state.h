@@ -46,9 +46,10 @@ struct FieldState {
   int width = 0, height = 0;
   int corner_count = 1;  // samples shown at once, at most
   uint32_t pool = 0;     // of the cache, by texture size
-  std::span<const std::byte> coded, contexts;
-  std::span<uint64_t> offset;  // of each node in `coded`
-  std::span<int32_t> slot;     // of each node: a slot of its pool, or one of the constants above
+  std::span<const std::byte> coded;
+  std::span<uint8_t> contexts;  // initial states, kContextBytesPerLevel per level
+  std::span<uint64_t> offset;   // of each node in `coded`
+  std::span<int32_t> slot;      // of each node: a slot of its pool, or one of the constants above
   hal::Texture texture;
   Composition composed;  // what it holds
   // Derived from the shape.

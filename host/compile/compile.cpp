@@ -204,7 +204,7 @@ BuiltImage build_image(const Scene& scene, const Inference& inference, const Sto
 // What an image holds beside the coded fields (meshes, rig, directory), as a first guess: build_to_size corrects it.
 uint64_t guessed_overhead(const Inference& inference) {
   uint64_t bytes = 4096;
-  for (const DrawnObject& object : inference.objects) bytes += 512 + 9 * object.vertices.size() + object.indices.size() / 2;
+  for (const DrawnObject& object : inference.objects) bytes += 256 + 5 * object.vertices.size() + object.indices.size() / 8;
   return bytes;
 }
 
@@ -212,9 +212,10 @@ uint64_t guessed_overhead(const Inference& inference) {
 BuiltImage build_to_size(const Scene& scene, const Inference& inference, const Store& store, const Profile& profile,
                          uint64_t bytes, Progress& progress) {
   constexpr int kAttempts = 3;
-  uint64_t overhead = guessed_overhead(inference);
+  int64_t overhead = static_cast<int64_t>(guessed_overhead(inference));
   for (int attempt = 1;; ++attempt) {
-    const uint64_t for_fields = std::max<uint64_t>(bytes - std::min(bytes, overhead), bytes / 16);
+    const auto for_fields =
+        static_cast<uint64_t>(std::max(static_cast<int64_t>(bytes) - overhead, static_cast<int64_t>(bytes / 16)));
     BuiltImage image = build_image(scene, inference, store, profile, for_fields, progress);
     const bool fits = image.bytes.size() <= bytes, full = image.bytes.size() * 1000 >= bytes * 985;
     const bool satisfied = image.field_bytes * 1000 < for_fields * 985;  // the fields had no more to say
@@ -225,7 +226,7 @@ BuiltImage build_to_size(const Scene& scene, const Inference& inference, const S
           "the image needs " + std::to_string(image.bytes.size()) + " bytes, storage allows " + std::to_string(bytes),
           "allow more storage, or lower resolution_scale");
     }
-    overhead = image.bytes.size() - image.field_bytes + 64;
+    overhead = static_cast<int64_t>(image.bytes.size()) - static_cast<int64_t>(image.field_bytes) + 64;
   }
 }
 

@@ -11,6 +11,7 @@ namespace vitrine {
 namespace {
 
 constexpr size_t kMaxSymbols = 40000;  // per context: more would say nothing new
+constexpr double kChangeBits = 16;
 
 // One context's symbols, node after node; `ends` are the places where a node ends and its state is lost.
 struct ContextHistory {
@@ -59,9 +60,9 @@ void descend(const ContextHistory& history, int speed, int index, double& best_c
   if (cost < best_cost) best_cost = cost, best = byte(index);
 }
 
-uint8_t train(const ContextHistory& history, uint8_t before) {
+uint8_t train(const ContextHistory& history, uint8_t before, double change_bits) {
   if (history.bits.empty()) return before;
-  double best_cost = cost_of(history, before) - 1;  // a change must be worth something
+  double best_cost = cost_of(history, before) - change_bits;
   uint8_t best = before;
   const int start = nearest_index(history);
   for (int speed = 0; speed < kAdaptationSpeeds; ++speed) descend(history, speed, start, best_cost, best);
@@ -70,7 +71,8 @@ uint8_t train(const ContextHistory& history, uint8_t before) {
 
 }  // namespace
 
-std::vector<uint8_t> train_contexts(const std::vector<const CodedSymbols*>& nodes, std::span<const uint8_t> before) {
+std::vector<uint8_t> train_contexts(const std::vector<const CodedSymbols*>& nodes, std::span<const uint8_t> before,
+                                    double share) {
   if (before.empty()) before = default_context_bytes();
   std::vector<ContextHistory> histories(kContextCount);
   for (const CodedSymbols* node : nodes) {
@@ -83,7 +85,7 @@ std::vector<uint8_t> train_contexts(const std::vector<const CodedSymbols*>& node
     }
   }
   std::vector<uint8_t> trained(before.begin(), before.end());
-  for (size_t c = 0; c < kContextCount; ++c) trained[c] = train(histories[c], trained[c]);
+  for (size_t c = 0; c < kContextCount; ++c) trained[c] = train(histories[c], trained[c], kChangeBits * share);
   return trained;
 }
 

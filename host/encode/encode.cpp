@@ -17,7 +17,7 @@ namespace {
 constexpr int kFullPasses = 9;
 constexpr double kAim = 0.996, kEnough = 0.99;  // of the target
 
-double table_bits_of(const FieldJob& job) { return 64 * job.preview_share(); }
+double table_bits_of(const FieldJob& job) { return 8 * kNodeTableBytes * job.preview_share(); }
 
 void choose_pyramids(std::vector<FieldJob>& jobs, PyramidKind kind, double price) {
   for (FieldJob& job : jobs) {
@@ -90,6 +90,7 @@ EncodedField assemble(const FieldJob& job, const FieldPass& pass, double price) 
     }
   }
   out.squared_error = pass.squared_error;
+  out.table_bytes = static_cast<uint64_t>(std::llround(table_bytes(job)));
   return out;
 }
 

@@ -35,7 +35,8 @@ struct EncodedField {
   std::vector<uint8_t> nodes;                    // all coded nodes in node order
   std::vector<uint32_t> node_bytes, node_units;  // per node; both 0 for cells off the grid
   double squared_error = 0;  // sum over leaves and texels of importance * mean squared error of the R, G, B codes
-  uint64_t bytes() const { return nodes.size() + contexts.size() + 8 * node_bytes.size(); }
+  uint64_t table_bytes = 0;  // what contexts and node tables take in an image, about
+  uint64_t bytes() const { return nodes.size() + table_bytes; }
 };
 
 // Which pyramids a field may get. All but the first are for comparison.

@@ -140,6 +140,8 @@ void FieldCoder::encode_level(int block, int level, std::vector<CodedPlanes>& re
     if (out.nodes[node].empty()) return;
     for (size_t l = 0; l < cell.leaves.size(); ++l) take_off(code.planes, cell.subtracted[l], rest[cell.leaves[l]]);
   });
+  for (const BlockCell& cell : cells)
+    out.coded_nodes[static_cast<size_t>(level)] += !out.nodes[static_cast<size_t>(cell.node)].empty();
   for (size_t c = 0; c < cells.size(); c += stride)
     if (!symbols[c].empty()) out.symbols[static_cast<size_t>(level)].push_back(std::move(symbols[c]));
 }
@@ -150,6 +152,7 @@ CodedBlock FieldCoder::encode_block(int block) const {
   out.nodes.resize(nodes);
   out.units.assign(nodes, 0);
   out.symbols.resize(static_cast<size_t>(shape_.pyramid.level_count));
+  out.coded_nodes.resize(out.symbols.size());
   std::vector<CodedPlanes> rest = leaves_of(block);
   for (int level = 0; level < shape_.pyramid.level_count; ++level) encode_level(block, level, rest, out);
   for (const CodedPlanes& leaf : rest) out.squared_error += squared_error(leaf, textures_.weights_of(block).importance);

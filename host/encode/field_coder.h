@@ -59,6 +59,7 @@ struct CodedBlock {
   std::vector<std::vector<uint8_t>> nodes;  // per node of the block
   std::vector<uint32_t> units;
   std::vector<std::vector<CodedSymbols>> symbols;  // per level, of some of its nodes
+  std::vector<size_t> coded_nodes;                 // per level, those with bytes
   double squared_error = 0;                        // as EncodedField
   uint64_t bytes = 0;                              // of the nodes
 };

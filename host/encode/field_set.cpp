@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <atomic>
 
+#include "formats/context_changes.h"
 #include "host/encode/context_training.h"
 
 namespace vitrine {
@@ -118,7 +119,9 @@ std::vector<FieldJob> load_fields(const std::vector<FieldSource>& fields, Progre
 }
 
 double table_bytes(const FieldJob& job) {
-  return 8.0 * job.shape.node_count() + 1.0 * kContextBytesPerLevel * job.shape.pyramid.level_count;
+  std::vector<uint8_t> contexts;
+  for (const auto& of_level : job.setting.contexts) contexts.insert(contexts.end(), of_level.begin(), of_level.end());
+  return kNodeTableBytes * job.shape.node_count() + static_cast<double>(context_changes(contexts).size());
 }
 
 Pass encode_pass(const std::vector<FieldJob>& jobs, double price, bool preview, Progress& progress) {
@@ -137,7 +140,8 @@ Pass encode_pass(const std::vector<FieldJob>& jobs, double price, bool preview, 
   });
   for (size_t f = 0; f < jobs.size(); ++f) {
     FieldPass& field = pass.fields[f];
-    const double scale = preview ? 1 / jobs[f].preview_share() : 1;
+    field.share = preview ? jobs[f].preview_share() : 1;
+    const double scale = 1 / field.share;
     for (const CodedBlock& block : field.blocks) {
       field.bytes += scale * static_cast<double>(block.bytes);
       field.squared_error += scale * block.squared_error;
@@ -148,22 +152,20 @@ Pass encode_pass(const std::vector<FieldJob>& jobs, double price, bool preview, 
 }
 
 void train_contexts(std::vector<FieldJob>& jobs, const Pass& pass) {
-  struct LevelTask {
-    size_t field, level;
-  };
-  std::vector<LevelTask> tasks;
-  for (size_t f = 0; f < jobs.size(); ++f) {
-    const size_t levels = static_cast<size_t>(jobs[f].shape.pyramid.level_count);
-    jobs[f].setting.contexts.resize(levels);
-    for (size_t l = 0; l < levels; ++l) tasks.push_back({f, l});
-  }
-  tbb::parallel_for(size_t{0}, tasks.size(), [&](size_t t) {
-    std::vector<const CodedSymbols*> nodes;
-    for (const CodedBlock& block : pass.fields[tasks[t].field].blocks) {
-      for (const CodedSymbols& node : block.symbols[tasks[t].level]) nodes.push_back(&node);
+  tbb::parallel_for(size_t{0}, jobs.size(), [&](size_t f) {
+    std::vector<std::vector<uint8_t>>& contexts = jobs[f].setting.contexts;
+    contexts.resize(static_cast<size_t>(jobs[f].shape.pyramid.level_count));
+    for (size_t level = 0; level < contexts.size(); ++level) {
+      std::vector<const CodedSymbols*> nodes;
+      size_t coded = 0;
+      for (const CodedBlock& block : pass.fields[f].blocks) {
+        for (const CodedSymbols& node : block.symbols[level]) nodes.push_back(&node);
+        coded += block.coded_nodes[level];
+      }
+      const double share =
+          static_cast<double>(nodes.size()) / static_cast<double>(std::max<size_t>(coded, 1)) * pass.fields[f].share;
+      contexts[level] = train_contexts(nodes, level > 0 ? contexts[level - 1] : std::span<const uint8_t>(), share);
     }
-    std::vector<uint8_t>& contexts = jobs[tasks[t].field].setting.contexts[tasks[t].level];
-    contexts = train_contexts(nodes, contexts);
   });
 }
 

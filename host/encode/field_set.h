@@ -30,6 +30,7 @@ struct FieldPass {
   std::vector<CodedBlock> blocks;
   double bytes = 0;          // of the nodes
   double squared_error = 0;  // importance-weighted, as EncodedField
+  double share = 1;          // of the texels, that were coded: below 1 for previews
 };
 struct Pass {
   std::vector<FieldPass> fields;
@@ -41,6 +42,8 @@ Pass encode_pass(const std::vector<FieldJob>& jobs, double price, bool preview, 
 // Contexts of every level from the symbols of a pass.
 void train_contexts(std::vector<FieldJob>& jobs, const Pass& pass);
 
+// What a node takes in the directory, which is compressed: about what was seen of scenes.
+inline constexpr double kNodeTableBytes = 3;
 // What the tables take beside the nodes.
 double table_bytes(const FieldJob& job);
 

@@ -30,7 +30,8 @@ namespace vitrine {
 // An object as the target draws it: its mesh with coordinates in [0, 1]^2, onto which textures are laid by maps.
 struct DrawnObject {
   int object = 0;                    // index into Scene::objects
-  std::vector<MeshVertex> vertices;  // node space
+  std::vector<MeshVertex> vertices;  // node space, on the grid
+  MeshGrid grid;
   std::vector<uint32_t> indices;
   std::vector<uint32_t> triangles;  // per triangle of `indices`: its number in the object's Geometry
   uint32_t culled_index_count = 0;  // the first of them are single-sided

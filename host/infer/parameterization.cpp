@@ -1,4 +1,5 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
+#include "host/base/mesh_grid.h"
 #include "host/infer/parameterization.h"
 
 #include <algorithm>
@@ -138,6 +139,7 @@ DrawnObject make_drawn_object(const Scene& scene, int object_index, const glm::m
   add(true);
   drawn.culled_index_count = static_cast<uint32_t>(drawn.indices.size());
   add(false);
+  drawn.grid = lay_on_grid(drawn.vertices);
   return drawn;
 }
 

@@ -5,6 +5,9 @@
 // can use it without linking the host.
 #pragma once
 
+#include <zstd.h>
+
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
@@ -19,42 +22,59 @@
 namespace vitrine {
 
 struct ImageSection {
-  fb::SectionKind kind = fb::SectionKind::vertices;
+  fb::SectionKind kind = fb::SectionKind::mesh;
   std::vector<std::byte> bytes;
 };
 
-// Serialized directory whose section table describes `sections` laid out one after another, behind a directory of
-// `directory_bytes`.
-inline std::vector<std::byte> pack_directory(fb::ImageT& directory, const std::vector<ImageSection>& sections,
-                                             uint64_t directory_bytes) {
+// Fills the section table: `sections` laid out one after another.
+inline void lay_out_sections(fb::ImageT& directory, const std::vector<ImageSection>& sections) {
   directory.sections.clear();
-  uint64_t end = kHeaderBytes + directory_bytes;
+  uint64_t end = 0;
   for (const ImageSection& section : sections) {
     const uint64_t begin = aligned_offset(end);
     directory.sections.emplace_back(section.kind, begin, section.bytes.size(), checksum_of(section.bytes));
     end = begin + section.bytes.size();
   }
+}
+
+inline std::vector<std::byte> serialize_directory(const fb::ImageT& directory) {
   flatbuffers::FlatBufferBuilder builder;
   builder.Finish(fb::Image::Pack(builder, &directory));
   const auto* bytes = reinterpret_cast<const std::byte*>(builder.GetBufferPointer());
   return {bytes, bytes + builder.GetSize()};
 }
 
-// Replaces `directory.sections`. The table's size depends on the number of sections alone, so the first packing tells how
-// large the second will be.
-inline std::vector<std::byte> write_image(fb::ImageT& directory, const std::vector<ImageSection>& sections) {
-  const uint64_t directory_bytes = pack_directory(directory, sections, 0).size();
-  const std::vector<std::byte> packed = pack_directory(directory, sections, directory_bytes);
-  const uint64_t end =
-      sections.empty() ? kHeaderBytes + packed.size() : directory.sections.back().offset() + directory.sections.back().size();
-  std::vector<std::byte> file(aligned_offset(end));
-  const auto put = [&](uint64_t offset, std::span<const std::byte> bytes) {
-    if (!bytes.empty()) std::memcpy(file.data() + offset, bytes.data(), bytes.size());
+inline constexpr int kSmallestCompression = 22, kFastCompression = 1;
+
+// One frame; the same bytes each time.
+inline std::vector<std::byte> compress(std::span<const std::byte> plain, int level = kSmallestCompression) {
+  std::vector<std::byte> packed(ZSTD_compressBound(plain.size()));
+  const size_t size = ZSTD_compress(packed.data(), packed.size(), plain.data(), plain.size(), level);
+  if (ZSTD_isError(size)) throw std::bad_alloc();  // the only way to fail with room for the worst case
+  packed.resize(size);
+  return packed;
+}
+
+// The file of a serialized directory, whose section table is that of `sections`.
+inline std::vector<std::byte> write_file(std::span<const std::byte> plain, const std::vector<ImageSection>& sections,
+                                         int compression = kSmallestCompression) {
+  const std::vector<std::byte> packed = compress(plain, compression);
+  std::vector<std::byte> file(kHeaderBytes);
+  const auto append = [&](std::span<const std::byte> bytes) {
+    file.insert(file.end(), bytes.begin(), bytes.end());
+    file.resize(aligned_offset(file.size()));
   };
-  put(0, write_header({kImageVersion, file.size(), packed.size(), checksum_of(packed)}));
-  put(kHeaderBytes, packed);
-  for (size_t i = 0; i < sections.size(); ++i) put(directory.sections[i].offset(), sections[i].bytes);
+  append(packed);
+  for (const ImageSection& section : sections) append(section.bytes);
+  const auto header = write_header({kImageVersion, file.size(), packed.size(), plain.size(), checksum_of(packed)});
+  std::copy(header.begin(), header.end(), file.begin());
   return file;
+}
+
+// Replaces `directory.sections`.
+inline std::vector<std::byte> write_image(fb::ImageT& directory, const std::vector<ImageSection>& sections) {
+  lay_out_sections(directory, sections);
+  return write_file(serialize_directory(directory), sections);
 }
 
 // A copy at a multiple of 64 bytes, as ImageView::open wants it, and of exactly the size of the original, so that address

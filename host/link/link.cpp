@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "formats/context_changes.h"
 #include "formats/text.h"
 #include "host/base/error.h"
 #include "host/link/image_writer.h"
@@ -134,12 +135,16 @@ class Linker {
   }
 
   void add_mesh(const DrawnObject& drawn, fb::ObjectT& out) {
-    EncodedMesh mesh = encode_mesh(drawn.vertices, drawn.indices, drawn.culled_index_count);
+    EncodedMesh mesh = encode_mesh(drawn.vertices, drawn.grid, drawn.indices, drawn.culled_index_count);
     out.vertex_count = mesh.vertex_count;
     out.index_count = static_cast<uint32_t>(drawn.indices.size());
     out.culled_index_count = drawn.culled_index_count;
-    out.vertices = add_section(fb::SectionKind::vertices, std::move(mesh.vertices));
-    out.indices = add_section(fb::SectionKind::indices, std::move(mesh.indices));
+    out.coded_vertex_bytes = static_cast<uint32_t>(mesh.vertices.size());
+    out.coded_index_bytes = static_cast<uint32_t>(mesh.indices.size());
+    out.grid_origin = to_vec3(drawn.grid.origin);
+    out.grid_step = drawn.grid.step;
+    mesh.vertices.insert(mesh.vertices.end(), mesh.indices.begin(), mesh.indices.end());
+    out.mesh = add_section(fb::SectionKind::mesh, compress(mesh.vertices));
   }
 
   std::unique_ptr<fb::FieldT> make_field(const Field& field, const EncodedField& encoded) {
@@ -151,7 +156,7 @@ class Linker {
     out->coder = fb::NodeCoder::dct;
     out->level_steps = encoded.level_steps;
     out->nodes = add_section(fb::SectionKind::nodes, as_bytes(encoded.nodes));
-    out->contexts = add_section(fb::SectionKind::contexts, as_bytes(encoded.contexts));
+    out->contexts = context_changes(encoded.contexts);
     out->node_bytes = encoded.node_bytes;
     out->node_units = encoded.node_units;
     return out;

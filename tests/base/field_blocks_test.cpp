@@ -16,6 +16,14 @@ TEST(BlockSize, HoldsAllSamplesUpToEight) {
   EXPECT_EQ(block_size_of(space), (AxisSizes{1, 4, 8, 8}));
 }
 
+TEST(BlockSize, IsOneSampleAlongSwitches) {
+  ParameterSpace space;
+  space.axis_count = 2;
+  space.axes[0] = {AxisKind::kDiscrete, 6};
+  space.axes[1] = {AxisKind::kPeriodic, 6};
+  EXPECT_EQ(block_size_of(space), (AxisSizes{1, 8}));
+}
+
 TEST(Stagger, IsWithinTheBlockAndSpreadEvenly) {
   ParameterSpace space;
   space.axis_count = 3;

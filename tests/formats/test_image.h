@@ -18,15 +18,29 @@
 namespace vitrine::test {
 
 inline std::vector<MeshVertex> test_vertices() {
-  return {{-1, -1, 0, 0, 0}, {1, -1, 0, 1, 0}, {1, 1, 0, 1, 1}, {-1, 1, 0, 0, 1}, {0, 0, 1, 0.5f, 0.5f}};
+  return {{-1, -1, 0, 0, 0}, {1, -1, 0, 1, 0}, {1, 1, 0, 1, 1}, {-1, 1, 0, 0, 1}, {0, 0, 1, 0.2f, 0.6f}};
 }
 inline std::vector<uint32_t> test_indices() { return {0, 1, 2, 0, 2, 3, 0, 1, 4}; }
 
+// Steps of a power of two from the corner at (-64, -64, -64): whole numbers up to 64 lie on it exactly.
+inline MeshGrid test_grid() { return {glm::vec3(-64), 0x1p-9f}; }
+inline GridVertex on_test_grid(const MeshVertex& v) {
+  const auto step = [](float position) { return static_cast<uint16_t>((position + 64) * 512); };
+  return {step(v.x),
+          step(v.y),
+          step(v.z),
+          0,
+          static_cast<uint16_t>(v.u * kTextureSteps + 0.5f),
+          static_cast<uint16_t>(v.v * kTextureSteps + 0.5f)};
+}
+
 inline std::vector<std::byte> coded_vertices(const std::vector<MeshVertex>& vertices) {
+  std::vector<GridVertex> steps;
+  for (const MeshVertex& vertex : vertices) steps.push_back(on_test_grid(vertex));
   meshopt_encodeVertexVersion(0);
-  std::vector<std::byte> coded(meshopt_encodeVertexBufferBound(vertices.size(), sizeof(MeshVertex)));
-  coded.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(coded.data()), coded.size(), vertices.data(),
-                                          vertices.size(), sizeof(MeshVertex)));
+  std::vector<std::byte> coded(meshopt_encodeVertexBufferBound(steps.size(), sizeof(GridVertex)));
+  coded.resize(meshopt_encodeVertexBuffer(reinterpret_cast<unsigned char*>(coded.data()), coded.size(), steps.data(),
+                                          steps.size(), sizeof(GridVertex)));
   return coded;
 }
 inline std::vector<std::byte> coded_indices(const std::vector<uint32_t>& indices, size_t vertex_count) {
@@ -47,6 +61,20 @@ struct TestImage {
     return static_cast<uint32_t>(sections.size() - 1);
   }
 };
+
+// Puts a mesh into a section of its own.
+inline void add_mesh(TestImage& image, fb::ObjectT& object, const std::vector<MeshVertex>& vertices,
+                     const std::vector<uint32_t>& indices) {
+  std::vector<std::byte> coded = coded_vertices(vertices), coded_end = coded_indices(indices, vertices.size());
+  object.vertex_count = static_cast<uint32_t>(vertices.size());
+  object.index_count = static_cast<uint32_t>(indices.size());
+  object.coded_vertex_bytes = static_cast<uint32_t>(coded.size());
+  object.coded_index_bytes = static_cast<uint32_t>(coded_end.size());
+  object.grid_origin = std::make_unique<fb::Vec3>(test_grid().origin.x, test_grid().origin.y, test_grid().origin.z);
+  object.grid_step = test_grid().step;
+  coded.insert(coded.end(), coded_end.begin(), coded_end.end());
+  object.mesh = image.add(fb::SectionKind::mesh, compress(coded));
+}
 
 inline std::unique_ptr<fb::AxisT> make_axis(const std::string& name, fb::AxisKind kind, uint32_t samples) {
   auto axis = std::make_unique<fb::AxisT>();
@@ -111,7 +139,7 @@ inline std::unique_ptr<fb::FieldT> make_field(TestImage& image, const std::strin
     field->node_units.push_back(128 + 8 * bytes);
   }
   field->nodes = image.add(fb::SectionKind::nodes, std::move(nodes));
-  field->contexts = image.add(fb::SectionKind::contexts, std::vector<std::byte>(3 * kContextBytesPerLevel, std::byte{0x41}));
+  field->contexts = {2, 0, 0x41, 7, 0x82, 0, 1, 159, 0x10};  // three levels: two changes, none, one
   return field;
 }
 
@@ -121,11 +149,8 @@ inline std::unique_ptr<fb::ObjectT> make_object(TestImage& image, const std::str
   object->node = node;
   const auto vertices = test_vertices();
   const auto indices = test_indices();
-  object->vertex_count = static_cast<uint32_t>(vertices.size());
-  object->index_count = static_cast<uint32_t>(indices.size());
   object->culled_index_count = 6;
-  object->vertices = image.add(fb::SectionKind::vertices, coded_vertices(vertices));
-  object->indices = image.add(fb::SectionKind::indices, coded_indices(indices, vertices.size()));
+  add_mesh(image, *object, vertices, indices);
   return object;
 }
 

@@ -215,15 +215,16 @@ Field field_of(const Scene& scene, AxisMask axes) {
 TEST_F(SurveyTest, ABlockHoldsWhatItsSamplesAndTheirNeighboursShow) {
   const ParameterSpace space = scene->space();
   Field field = field_of(*scene, 3);
-  const auto blocks = states_of_blocks(geometry.table, space, field);  // views 0..4, 5..12, 13..19; two lamps
-  ASSERT_EQ(blocks.size(), 3u);
+  const auto blocks = states_of_blocks(geometry.table, space, field);  // views 0..4, 5..12, 13..19; each lamp by itself
+  ASSERT_EQ(blocks.size(), 6u);
   EXPECT_EQ(blocks[0], (std::vector<int>{0, 1, 2, 3, 4, 5}));
-  EXPECT_EQ(blocks[1].front(), 4);
-  EXPECT_EQ(blocks[1].back(), 13);
+  EXPECT_EQ(blocks[1], blocks[0]);
+  EXPECT_EQ(blocks[2].front(), 4);
+  EXPECT_EQ(blocks[2].back(), 13);
   std::vector<const VisibleSurface*> own;
   for (const auto& state : surfaces) own.push_back(&state[0]);
   lay_out(geometry.table, space, own, {}, field);
-  ASSERT_EQ(field.maps.size(), 3u);
+  ASSERT_EQ(field.maps.size(), 6u);
   for (int64_t sample = 0; sample < field.space.sample_count(); ++sample) {
     const int view = field.space.index_from_flat(sample)[0];
     for (const int state : {view - 1, view, view + 1}) {

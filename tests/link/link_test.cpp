@@ -8,8 +8,10 @@
 #include <map>
 #include <random>
 
+#include "formats/context_changes.h"
 #include "formats/node_coding.h"
 #include "host/base/error.h"
+#include "host/base/mesh_grid.h"
 #include "host/link/image_writer.h"
 #include "host/link/mesh_encoder.h"
 #include "host/link/rig_subset.h"
@@ -27,6 +29,7 @@ DrawnObject wavy_grid(int object, int n) {
       drawn.vertices.push_back({u, v, 0.1f * std::sin(9 * u) * std::cos(7 * v), u, v});
     }
   drawn.vertices.push_back({9, 9, 9, 0, 0});  // used by no triangle
+  drawn.grid = lay_on_grid(drawn.vertices);
   for (int y = 0; y < n; ++y)
     for (int x = 0; x < n; ++x) {
       const uint32_t a = static_cast<uint32_t>(y * (n + 1) + x), b = a + 1, c = a + static_cast<uint32_t>(n) + 1, d = c + 1;
@@ -182,7 +185,9 @@ TEST(Link, TheImageHoldsWhatTheStagesMade) {
     const auto nodes = view.section(field->nodes());
     ASSERT_EQ(nodes.size(), encoded.nodes.size());
     EXPECT_EQ(std::memcmp(nodes.data(), encoded.nodes.data(), nodes.size()), 0);
-    EXPECT_EQ(view.section(field->contexts()).size(), encoded.contexts.size());
+    std::vector<uint8_t> contexts(encoded.contexts.size());
+    ASSERT_TRUE(expand_contexts(context_changes_of(*field), contexts).ok());
+    EXPECT_EQ(contexts, encoded.contexts);
     for (uint32_t n = 0; n < encoded.node_bytes.size(); ++n) EXPECT_EQ(field->node_bytes()->Get(n), encoded.node_bytes[n]);
   }
 }
@@ -260,7 +265,7 @@ TEST(Mesh, TrianglesAndTheirSidesSurviveExactly) {
 
 TEST(Mesh, IsCodedInFarFewerBytesThanItHas) {
   const DrawnObject drawn = wavy_grid(0, 60);
-  const EncodedMesh mesh = encode_mesh(drawn.vertices, drawn.indices, drawn.culled_index_count);
+  const EncodedMesh mesh = encode_mesh(drawn.vertices, drawn.grid, drawn.indices, drawn.culled_index_count);
   EXPECT_LT(mesh.indices.size(), drawn.indices.size());  // under 3 bytes a triangle, of 12
   EXPECT_LT(mesh.vertices.size() * 4, drawn.vertices.size() * sizeof(MeshVertex) * 3);
 }
@@ -268,7 +273,7 @@ TEST(Mesh, IsCodedInFarFewerBytesThanItHas) {
 TEST(Mesh, AllSingleSidedOrAllDoubleSidedIsCodedToo) {
   DrawnObject drawn = wavy_grid(0, 2);
   for (const uint32_t culled : {0u, static_cast<uint32_t>(drawn.indices.size())})
-    EXPECT_EQ(encode_mesh(drawn.vertices, drawn.indices, culled).vertex_count, 9u);
+    EXPECT_EQ(encode_mesh(drawn.vertices, drawn.grid, drawn.indices, culled).vertex_count, 9u);
 }
 
 TEST(Rig, OnlyCarriersAndWhatIsAboveThemAreKept) {

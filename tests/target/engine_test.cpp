@@ -296,8 +296,8 @@ TEST(Engine, AnObjectWithoutFieldsIsBlack) {
   PlayedImage image({.width = 20, .height = 12});
   fb::ObjectT& object = *image.source().directory.objects[1];
   object.fields.clear();
-  image.source().sections.resize(image.source().sections.size() - 2);  // its field's
-  object.node = 1;                                                     // before the camera, and so before the wall
+  image.source().sections.pop_back();  // its field's
+  object.node = 1;                     // before the camera, and so before the wall
   image.rewrite();
   const ImageView view = image.view();
   auto gpu = std::move(hal::create_osmesa_gpu(20, 12).value());

@@ -124,16 +124,14 @@ class PlayedImage {
   fb::ObjectT& add_object(const std::string& name, float z) {
     auto object = std::make_unique<fb::ObjectT>();
     const float side = static_cast<float>(options_.width) / static_cast<float>(options_.height);
-    const float seam = std::nextafter(0.5f, 0.0f);
+    const float seam = 0.5f - 1 / kTextureSteps;
     const std::vector<MeshVertex> vertices{{-side, -1, z, 0, 0}, {0, -1, z, seam, 0}, {0, 1, z, seam, 1}, {-side, 1, z, 0, 1},
                                            {0, -1, z, 0.5f, 0},  {side, -1, z, 1, 0}, {side, 1, z, 1, 1}, {0, 1, z, 0.5f, 1}};
     const std::vector<uint32_t> indices{0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7};
     object->name = name;
     object->node = 0;
-    object->vertex_count = static_cast<uint32_t>(vertices.size());
-    object->index_count = object->culled_index_count = static_cast<uint32_t>(indices.size());
-    object->vertices = image_.add(fb::SectionKind::vertices, coded_vertices(vertices));
-    object->indices = image_.add(fb::SectionKind::indices, coded_indices(indices, vertices.size()));
+    object->culled_index_count = static_cast<uint32_t>(indices.size());
+    add_mesh(image_, *object, vertices, indices);
     image_.directory.objects.push_back(std::move(object));
     return *image_.directory.objects.back();
   }
@@ -189,7 +187,6 @@ class PlayedImage {
       truth.planes.push_back(code.bytes.empty() ? std::vector<int16_t>{} : code.planes);
     }
     field->nodes = image_.add(fb::SectionKind::nodes, std::move(coded));
-    field->contexts = image_.add(fb::SectionKind::contexts, {});
     fields_.push_back(std::move(truth));
     object.fields.push_back(std::move(field));
   }

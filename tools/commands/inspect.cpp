@@ -20,12 +20,12 @@ const char* kind_name(fb::AxisKind kind) {
 }
 
 uint64_t field_bytes(const ImageView& image, const fb::Field& field) {
-  return image.section(field.nodes()).size() + image.section(field.contexts()).size() + 8 * static_cast<uint64_t>(field.node_bytes()->size());
+  return image.section(field.nodes()).size();
 }
 
 nlohmann::json object_json(const ImageView& image, const fb::Object& object) {
   nlohmann::json layers = nlohmann::json::array();
-  uint64_t bytes = image.section(object.vertices()).size() + image.section(object.indices()).size();
+  uint64_t bytes = image.section(object.mesh()).size();
   for (const fb::Field* field : *object.fields()) {
     const FieldShape shape = image.shape_of(*field);
     nlohmann::json cells = nlohmann::json::array();

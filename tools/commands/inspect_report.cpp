@@ -56,7 +56,7 @@ void write_inspect_report(const std::filesystem::path& file, const std::string& 
   for (const auto& [key, value] : summary["plan"].items()) html += fmt::format("<tr><td>{}<td class=n>{}</tr>\n", key, value.dump());
   html += "</table><h2>Bytes</h2><table>\n";
   for (const fb::Object* object : *image.directory().objects()) {
-    add_row(html, object->name()->str() + " mesh", image.section(object->vertices()).size() + image.section(object->indices()).size(), image.file_bytes());
+    add_row(html, object->name()->str() + " mesh", image.section(object->mesh()).size(), image.file_bytes());
     for (const fb::Field* field : *object->fields()) {
       const std::vector<uint64_t> levels = bytes_of_levels(image, *field);
       for (size_t level = 0; level < levels.size(); ++level)
