@@ -124,38 +124,15 @@ CodedPlanes coded_planes(const LinearTexture& texture) {
   return planes;
 }
 
-// Screen pixels that a field's object takes, in the mean over the ways it is laid out.
-double mean_pixels(const Field& field) {
-  double sum = 0;
-  for (const std::vector<float>& own : field.importance) sum += std::accumulate(own.begin(), own.end(), 0.0);
-  return sum / static_cast<double>(field.importance.size());
-}
-
-// Factors of the objects' squared errors where storage is shared out. An eye rests on a small glass as long as on a wall, so
-// an object's error counts for less than its pixels, but for more than the object itself: as their power of 2/3.
-std::vector<float> attention(const Inference& inference) {
-  std::vector<double> pixels(inference.objects.size());
-  for (const Field& field : inference.fields) {
-    double& own = pixels[static_cast<size_t>(field.drawn_object)];
-    own = std::max(own, mean_pixels(field));
-  }
-  const double mean =
-      std::accumulate(pixels.begin(), pixels.end(), 0.0) / static_cast<double>(std::max<size_t>(1, pixels.size()));
-  std::vector<float> factors;
-  for (const double own : pixels)
-    factors.push_back(own > 0 ? std::clamp(static_cast<float>(std::cbrt(mean / own)), 0.25f, 4.0f) : 1.0f);
-  return factors;
-}
-
-FieldSource field_source(const Scene& scene, const Inference& inference, int number, float attention, const Store& store) {
+FieldSource field_source(const Scene& scene, const Inference& inference, int number, const Store& store) {
   const Field& field = inference.fields[number];
   FieldSource source;
   source.space = field.space;
   source.width = field.texture_width;
   source.height = field.texture_height;
   source.importance = field.importance;
-  for (std::vector<float>& own : source.importance)
-    for (float& importance : own) importance *= attention;
+  source.object = field.drawn_object;
+  source.weight = scene.objects[static_cast<size_t>(inference.objects[static_cast<size_t>(field.drawn_object)].object)].weight;
   source.block_maps = field.block_maps;
   source.block_size = field.block_size;
   source.stagger = field.stagger;
@@ -174,11 +151,10 @@ struct BuiltImage {
 BuiltImage build_image(const Scene& scene, const Inference& inference, const Store& store, const Profile& profile,
                        uint64_t field_bytes, Progress& progress) {
   std::vector<FieldSource> sources;
-  const std::vector<float> factors = attention(inference);
   for (size_t f = 0; f < inference.fields.size(); ++f)
-    sources.push_back(field_source(scene, inference, static_cast<int>(f),
-                                   factors[static_cast<size_t>(inference.fields[f].drawn_object)], store));
-  const std::vector<EncodedField> encoded = encode_fields(sources, {.target_bytes = field_bytes}, progress);
+    sources.push_back(field_source(scene, inference, static_cast<int>(f), store));
+  const std::vector<EncodedField> encoded = encode_fields(
+      sources, {.worst_object = static_cast<double>(scene.settings.worst_object), .target_bytes = field_bytes}, progress);
 
   std::vector<PlannedField> planned;
   for (size_t f = 0; f < encoded.size(); ++f)

@@ -8,6 +8,7 @@
 
 #include "host/base/error.h"
 #include "host/encode/field_set.h"
+#include "host/encode/object_balance.h"
 #include "host/encode/price_search.h"
 #include "host/encode/shape_search.h"
 
@@ -21,7 +22,7 @@ double table_bits_of(const FieldJob& job) { return 8 * kNodeTableBytes * job.pre
 
 void choose_pyramids(std::vector<FieldJob>& jobs, PyramidKind kind, double price) {
   for (FieldJob& job : jobs) {
-    job.set_pyramid(choose_pyramid(job.shape, job.preview_textures(), kind, price, table_bits_of(job)).pyramid);
+    job.set_pyramid(choose_pyramid(job.shape, job.preview_textures(), kind, job.own(price), table_bits_of(job)).pyramid);
   }
 }
 
@@ -29,7 +30,8 @@ void choose_pyramids(std::vector<FieldJob>& jobs, PyramidKind kind, double price
 double estimated_bytes(std::vector<FieldJob>& jobs, PyramidKind kind, double price) {
   double bytes = 0;
   for (FieldJob& job : jobs) {
-    const ShapeChoice choice = choose_pyramid(job.shape, job.preview_textures(), kind, price, table_bits_of(job), 4'000'000);
+    const ShapeChoice choice =
+        choose_pyramid(job.shape, job.preview_textures(), kind, job.own(price), table_bits_of(job), 4'000'000);
     job.set_pyramid(choice.pyramid);
     bytes += choice.bits / 8 / job.preview_share() + table_bytes(job);
   }
@@ -52,31 +54,18 @@ void choose_exponents(std::vector<FieldJob>& jobs, double price, Progress& progr
     for (FieldJob& job : jobs) job.setting.step_exponent = candidate;
     const Pass pass = encode_pass(jobs, price, true, progress);
     for (size_t f = 0; f < jobs.size(); ++f) {
-      const double cost = jobs[f].source->samples_shown * pass.fields[f].squared_error + price * 8 * pass.fields[f].bytes;
+      const double cost =
+          jobs[f].source->samples_shown * pass.fields[f].squared_error + jobs[f].own(price) * 8 * pass.fields[f].bytes;
       if (cost < best[f]) best[f] = cost, exponent[f] = candidate;
     }
   }
   for (size_t f = 0; f < jobs.size(); ++f) jobs[f].setting.step_exponent = exponent[f];
 }
 
-// Pyramids, exponents and contexts from previews; returns a price that should meet the target.
-double prepare(std::vector<FieldJob>& jobs, PyramidKind kind, double price, double target, Progress& progress) {
-  PriceSearch search(target);
-  choose_pyramids(jobs, kind, price);
-  for (int round = 0; round < 3; ++round) {
-    const Pass pass = encode_pass(jobs, price, true, progress);
-    train_contexts(jobs, pass);
-    if (target > 0) price = search.next(price, pass.bytes);
-    if (round == 0) choose_pyramids(jobs, kind, price);
-    if (round == 1) choose_exponents(jobs, price, progress);
-  }
-  return price;
-}
-
 EncodedField assemble(const FieldJob& job, const FieldPass& pass, double price) {
   EncodedField out;
   out.shape = job.shape;
-  const FieldCoder coder(job.shape, job.textures, job.setting, price);
+  const FieldCoder coder(job.shape, job.textures, job.setting, job.own(price));
   for (int level = 0; level < job.shape.pyramid.level_count; ++level) {
     out.level_steps.insert(out.level_steps.end(), coder.steps(level).begin(), coder.steps(level).end());
     const auto& contexts = job.setting.contexts[static_cast<size_t>(level)];
@@ -102,8 +91,9 @@ std::vector<EncodedField> assemble_all(const std::vector<FieldJob>& jobs, const 
 
 // Whether no lower price would make any steps finer.
 bool finest(const std::vector<FieldJob>& jobs, double price) {
-  return std::all_of(jobs.begin(), jobs.end(),
-                     [&](const FieldJob& job) { return FieldCoder(job.shape, job.textures, job.setting, price).finest(); });
+  return std::all_of(jobs.begin(), jobs.end(), [&](const FieldJob& job) {
+    return FieldCoder(job.shape, job.textures, job.setting, job.own(price)).finest();
+  });
 }
 
 int64_t block_count(const std::vector<FieldJob>& jobs) {
@@ -112,36 +102,97 @@ int64_t block_count(const std::vector<FieldJob>& jobs) {
   return count;
 }
 
-std::vector<EncodedField> encode_to_target(std::vector<FieldJob>& jobs, PyramidKind kind, double target, double floor,
-                                           Progress& progress) {
-  PartOfStep part(progress);
-  double price = std::max(floor, prepare(jobs, kind, std::max(floor, estimated_price(jobs, kind, target)), kAim * target, part));
-  double tables = 0;
-  for (const FieldJob& job : jobs) tables += table_bytes(job);
-  PriceSearch search(kAim * target);
-  std::optional<std::vector<EncodedField>> best;
-  double best_bytes = -1;
-  for (int i = 0; i < kFullPasses || (!best && i < 4 * kFullPasses); ++i) {
-    progress.begin("coding textures", block_count(jobs), 0, "blocks");
-    const Pass pass = encode_pass(jobs, price, false, progress);
-    progress.end();
-    if (pass.bytes <= target && pass.bytes > best_bytes) best = assemble_all(jobs, pass, price), best_bytes = pass.bytes;
-    if (best_bytes >= kEnough * target || (best && (price <= floor || finest(jobs, price)))) break;
-    if (i == 0)
-      train_contexts(jobs, pass);
-    else if (pass.bytes <= tables && pass.bytes > target)
-      break;
-    price = std::max(floor, search.next(price, pass.bytes));
+// Finds how to code all fields for a price or a target.
+class Encoding {
+ public:
+  Encoding(std::vector<FieldJob>& jobs, const EncodeOptions& options, Progress& progress)
+      : jobs_(jobs), options_(options), balance_(jobs, options.worst_object), progress_(progress) {}
+
+  std::vector<EncodedField> at_price(double price) {
+    PartOfStep part(progress_);
+    prepare(price, 0, part);
+    return assemble_all(jobs_, full_pass(price), price);
   }
-  if (!best) {
+
+  std::vector<EncodedField> to_target(double target, double floor) {
+    PartOfStep part(progress_);
+    double price = std::max(floor, estimated_price(jobs_, options_.pyramid, target));
+    price = std::max(floor, prepare(price, kAim * target, part));
+    PriceSearch search(kAim * target);
+    for (int i = 0; i < kFullPasses || (!best_ && i < 4 * kFullPasses); ++i) {
+      const Pass pass = full_pass(price);
+      const bool holds = balance_.holds(jobs_, pass);
+      if (pass.bytes <= target) keep(pass, price, holds);
+      if (best_ && best_holds_ && (best_bytes_ >= kEnough * target || price <= floor || finest(jobs_, price))) break;
+      if (pass.bytes > target && pass.bytes <= tables()) break;
+      if (i == 0) train_contexts(jobs_, pass);
+      if (holds) {
+        price = std::max(floor, search.next(price, pass.bytes));
+        continue;
+      }
+      // Other weights, another search: what was met so far says nothing about slopes.
+      balance_.correct(jobs_, pass);
+      price = std::max(floor, PriceSearch(kAim * target).next(price, pass.bytes));
+      search = PriceSearch(kAim * target);
+    }
+    if (!best_) refuse(target);
+    return std::move(*best_);
+  }
+
+ private:
+  // Pyramids, exponents, contexts and weights from previews; returns a price that should meet the target.
+  double prepare(double price, double target, Progress& progress) {
+    choose_pyramids(jobs_, options_.pyramid, price);
+    const int rounds = options_.worst_object > 0 ? 7 : 3;
+    for (int round = 0; round < rounds; ++round) {
+      const Pass pass = encode_pass(jobs_, price, true, progress);
+      train_contexts(jobs_, pass);
+      balance_.correct(jobs_, pass);
+      // The weights move what there is to search for: each round begins anew.
+      if (target > 0) price = PriceSearch(target).next(price, pass.bytes);
+      if (round == 0) choose_pyramids(jobs_, options_.pyramid, price);
+      if (round == 1) choose_exponents(jobs_, price, progress);
+    }
+    return price;
+  }
+
+  Pass full_pass(double price) {
+    progress_.begin("coding textures", block_count(jobs_), 0, "blocks");
+    Pass pass = encode_pass(jobs_, price, false, progress_);
+    progress_.end();
+    return pass;
+  }
+
+  // Prefers what keeps the constraint, then what uses more of the storage.
+  void keep(const Pass& pass, double price, bool holds) {
+    if (best_ && (best_holds_ > holds || (best_holds_ == holds && best_bytes_ >= pass.bytes))) return;
+    best_ = assemble_all(jobs_, pass, price);
+    best_bytes_ = pass.bytes;
+    best_holds_ = holds;
+  }
+
+  double tables() const {
+    double bytes = 0;
+    for (const FieldJob& job : jobs_) bytes += table_bytes(job);
+    return bytes;
+  }
+
+  [[noreturn]] void refuse(double target) const {
     throw InputError("storage",
                      "it leaves " + std::to_string(static_cast<int64_t>(target)) +
                          " bytes for textures, but their tables of nodes alone take " +
-                         std::to_string(static_cast<int64_t>(tables)),
+                         std::to_string(static_cast<int64_t>(tables())),
                      "ask for more storage, or for fewer samples");
   }
-  return std::move(*best);
-}
+
+  std::vector<FieldJob>& jobs_;
+  const EncodeOptions& options_;
+  ObjectBalance balance_;
+  Progress& progress_;
+  std::optional<std::vector<EncodedField>> best_;
+  double best_bytes_ = 0;
+  bool best_holds_ = false;
+};
 
 }  // namespace
 
@@ -149,18 +200,10 @@ std::vector<EncodedField> encode_fields(const std::vector<FieldSource>& fields, 
                                         Progress& progress) {
   if (fields.empty()) return {};
   std::vector<FieldJob> jobs = load_fields(fields, progress);
+  Encoding encoding(jobs, options, progress);
   const auto price_of = [](double quantizer) { return kPricePerStep2 * quantizer * quantizer; };
-  if (options.quantizer <= 0) {
-    return encode_to_target(jobs, options.pyramid, static_cast<double>(options.target_bytes), price_of(options.finest_quantizer),
-                            progress);
-  }
-  const double price = price_of(options.quantizer);
-  PartOfStep part(progress);
-  prepare(jobs, options.pyramid, price, 0, part);
-  progress.begin("coding textures", block_count(jobs), 0, "blocks");
-  const Pass pass = encode_pass(jobs, price, false, progress);
-  progress.end();
-  return assemble_all(jobs, pass, price);
+  if (options.quantizer > 0) return encoding.at_price(price_of(options.quantizer));
+  return encoding.to_target(static_cast<double>(options.target_bytes), price_of(options.finest_quantizer));
 }
 
 }  // namespace vitrine

@@ -25,6 +25,8 @@ struct FieldSource {
   std::vector<uint16_t> block_maps;
   AxisSizes block_size{}, stagger{};         // host/base/field_blocks.h
   double samples_shown = 1;                  // grid samples of the whole space that one texture of this field serves
+  int object = 0;                            // whose layer it is
+  double weight = 1;                         // of its errors, beside importance: what the user wants sharper than it is large
   std::function<CodedPlanes(int64_t)> load;  // texture of a flat field sample; called from several threads
 };
 
@@ -48,6 +50,9 @@ enum class PyramidKind {
 
 struct EncodeOptions {
   PyramidKind pyramid = PyramidKind::kBest;
+  // No object's mean squared error may be more than so many times that of all objects together (>= 1); 0: no such constraint.
+  double worst_object = 0;
+
   // Of all fields together (EncodedField::bytes): met from below, within 1 % where the signal has that much to say.
   uint64_t target_bytes = 0;
   // No target makes the base step finer than this (below): about one 8-bit level, an error

@@ -53,6 +53,7 @@ AxisSizes checked_stagger(const FieldShape& shape, const AxisSizes& stagger) {
 FieldJob make_job(const FieldSource& source, int64_t preview_stride, bool keep) {
   FieldJob job;
   job.source = &source;
+  job.weight = source.weight;
   job.shape.space = source.space;
   job.shape.block_size = source.block_size;
   job.shape.stagger = checked_stagger(job.shape, source.stagger);
@@ -130,7 +131,8 @@ Pass encode_pass(const std::vector<FieldJob>& jobs, double price, bool preview, 
   std::vector<FieldCoder> coders;
   std::vector<BlockTask> tasks;
   for (size_t f = 0; f < jobs.size(); ++f) {
-    coders.emplace_back(jobs[f].shape, preview ? jobs[f].preview_textures() : jobs[f].textures, jobs[f].setting, price);
+    coders.emplace_back(jobs[f].shape, preview ? jobs[f].preview_textures() : jobs[f].textures, jobs[f].setting,
+                        jobs[f].own(price));
     pass.fields[f].blocks.resize(static_cast<size_t>(jobs[f].shape.block_count()));
     for (int b = 0; b < jobs[f].shape.block_count(); ++b) tasks.push_back({f, b});
   }

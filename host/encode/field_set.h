@@ -16,11 +16,14 @@ struct FieldJob {
   const FieldSource* source = nullptr;
   FieldShape shape;  // its pyramid is that of `setting`
   FieldSetting setting;
+  double weight = 1;       // of its errors
   FieldTextures textures;  // all of it
   FieldTextures preview;   // some rows of tiles of every texture; empty: `textures` serves
   const FieldTextures& preview_textures() const { return preview.width > 0 ? preview : textures; }
   double preview_share() const { return static_cast<double>(preview_textures().height) / textures.height; }
   void set_pyramid(const PyramidShape& pyramid);
+  // Squared error per bit for this field, where that of a field of weight 1 is `price`.
+  double own(double price) const { return price / weight; }
 };
 
 // Loads every texture once; keeps them where memory allows. Previews hold about kPreviewTexels leaf texels in all.

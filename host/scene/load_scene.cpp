@@ -92,6 +92,7 @@ class SceneLoader {
         if (node_name_of(o) != entry.node && scene_->objects[o].name != entry.node) continue;
         scene_->objects[o].representation = entry.representation;
         scene_->objects[o].resolution_scale = entry.resolution_scale;
+        scene_->objects[o].weight = entry.weight;
         found = true;
       }
       if (!found) fail_unknown_object(entry);

@@ -69,10 +69,12 @@ max_speed = 0.05
 # node = "NAME"
 # representation = "texture"
 # resolution_scale = 1.0              # 2: twice as many texels in each direction
+# weight = 1.0                        # 2: its errors count twice where storage is shared out
 
 [target]                              # what the result plays on
 profile = "kiosk-60"                  # a small machine at 60 frames a second; or the path of a profile file
 storage = "100:1"                     # a ratio to all pictures as plain pixels; or "150 KB/block", or "12 MB" in all
+worst_object = 4                      # no object's coding error may be more than so many times that of the whole picture
 interpolate = false                   # true: blends the pictures around a position of the dials
 between = false                       # true: traces twice as many pictures, and shows better what lies between two of them
 smoothing = 0.01                      # how strongly neighbouring pictures' textures are drawn together where a picture tells little

@@ -96,6 +96,7 @@ struct Object {
   std::shared_ptr<const Deformation> deformation;  // of an object that an axis deforms; null: it is rigid
   std::string representation = "texture";
   float resolution_scale = 1;
+  float weight = 1;  // of its errors where storage is shared out
   bool follows_camera = false;  // the backdrop: a dome that carries the environment, made by the loader
   // Material variants: for each value of the axis below, a replacement of triangle_materials; empty where it has none.
   std::vector<std::vector<int>> variant_materials;
@@ -149,6 +150,7 @@ struct Settings {
   float noise_db = 45;       // what compiled frames are traced to (TraceOptions::noise_db)
   bool interpolate = false;  // [target] interpolate: blend neighbouring samples
   bool between = false;      // [target] between: textures are also solved for what they show half-way to the next sample
+  float worst_object = 4;    // [target] worst_object: bound of an object's coding error, over that of all (host/encode/encode.h)
   float smoothing = 0.01f;   // [target] smoothing: of neighbouring samples' textures (host/infer/axis_smoothing.h)
   float exposure = 1;
   std::string profile = "kiosk-60";

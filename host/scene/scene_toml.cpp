@@ -139,7 +139,7 @@ AxisDescription read_axis(const TomlView& numbered) {
 }
 
 ObjectDescription read_object(const TomlView& view) {
-  view.allow({"node", "representation", "resolution_scale"});
+  view.allow({"node", "representation", "resolution_scale", "weight"});
   if (!view.has("node")) view.fail("the entry names no node", "write node = \"NAME\"");
   ObjectDescription object;
   object.place = view.place();
@@ -149,6 +149,7 @@ ObjectDescription read_object(const TomlView& view) {
     view.fail("the representation " + in_quotes(object.representation) + " does not exist in this version",
               "write \"texture\", the only one");
   object.resolution_scale = static_cast<float>(view.number("resolution_scale", 1, 1.0 / 64, 64));
+  object.weight = static_cast<float>(view.number("weight", 1, 1e-3, 1e3));
   return object;
 }
 
@@ -159,7 +160,7 @@ void check_storage(const TomlView& view, const std::string& storage) {
 }
 
 void read_target(const TomlView& view, const fs::path& folder, Settings& settings) {
-  view.allow({"profile", "storage", "interpolate", "between", "smoothing", "exposure"});
+  view.allow({"profile", "storage", "interpolate", "between", "smoothing", "exposure", "worst_object"});
   settings.profile = view.text("profile", settings.profile);
   std::error_code error;
   if (fs::is_regular_file(folder / settings.profile, error)) settings.profile = (folder / settings.profile).string();
@@ -167,6 +168,7 @@ void read_target(const TomlView& view, const fs::path& folder, Settings& setting
   check_storage(view, settings.storage);
   settings.interpolate = view.boolean("interpolate", settings.interpolate);
   settings.between = view.boolean("between", settings.between);
+  settings.worst_object = static_cast<float>(view.number("worst_object", settings.worst_object, 1, 1e6));
   settings.smoothing = static_cast<float>(view.number("smoothing", settings.smoothing, 0, 1e3));
   settings.exposure = static_cast<float>(view.number("exposure", settings.exposure, 1e-6, 1e6));
 }

@@ -21,8 +21,8 @@
 //     variants = ["a", "b"]                                     material variants (discrete)
 //     lights = [["node"], ["node", "node"], []]                 which emitters shine at each value (discrete)
 //     lamp = { target, radius, elevation, from, to, size, color, strength }   a luminous ball that travels on an arc
-//   [[object]] node, representation ("texture"), resolution_scale
-//   [target] profile, storage, interpolate, between, smoothing, exposure
+//   [[object]] node, representation ("texture"), resolution_scale, weight
+//   [target] profile, storage, interpolate, between, smoothing, worst_object, exposure
 #pragma once
 
 #include <filesystem>
@@ -72,7 +72,7 @@ struct AxisDescription {
 struct ObjectDescription {
   std::string place, node;
   std::string representation = "texture";
-  float resolution_scale = 1;
+  float resolution_scale = 1, weight = 1;
 };
 
 struct SceneDescription {

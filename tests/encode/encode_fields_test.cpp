@@ -192,8 +192,48 @@ TEST(EncodeFields, EmptyAndBlackInputs) {
   expect_consistent(black, encoded[0]);
 }
 
+// A large quiet wall, and a small thing on which everything moves.
+std::vector<FieldSource> wall_and_trinket() {
+  std::vector<FieldSource> fields = {synthetic::field({8, 4}, 160, 128, {.grain = 0.02f, .highlight = 0.1f, .reflection = 0}),
+                                     synthetic::field({8, 4}, 40, 32, {.grain = 0.4f, .reflection = 0.6f, .seed = 3})};
+  fields[1].object = 1;
+  return fields;
+}
+
+std::vector<double> mean_errors(const std::vector<FieldSource>& fields, const std::vector<EncodedField>& encoded) {
+  std::vector<double> errors;
+  for (size_t f = 0; f < fields.size(); ++f)
+    errors.push_back(encoded[f].squared_error / (static_cast<double>(fields[f].width) * fields[f].height * 32));
+  return errors;
+}
+
+TEST(EncodeFields, NoObjectLooksWorseThanTheSceneAllows) {
+  const std::vector<FieldSource> fields = wall_and_trinket();
+  const double wall = 160.0 * 128, trinket = 40.0 * 32;
+  double unbound = 0;
+  for (const double worst : {0.0, 4.0, 1.5}) {
+    const auto encoded = encode(fields, {.worst_object = worst, .target_bytes = 6000});
+    EXPECT_GE(encoded[0].bytes() + encoded[1].bytes(), 5940u);
+    EXPECT_LE(encoded[0].bytes() + encoded[1].bytes(), 6000u);
+    const std::vector<double> errors = mean_errors(fields, encoded);
+    const double mean = (errors[0] * wall + errors[1] * trinket) / (wall + trinket);
+    if (worst > 0)
+      EXPECT_LE(errors[1], 1.001 * worst * mean);
+    else
+      unbound = errors[1] / mean;
+  }
+  EXPECT_GT(unbound, 4);  // so the constraint had something to do
+}
+
+TEST(EncodeFields, AWeightedObjectLooksBetterAtTheSameSize) {
+  std::vector<FieldSource> fields = wall_and_trinket();
+  const double before = encode(fields, {.target_bytes = 6000})[1].squared_error;
+  fields[1].weight = 8;
+  EXPECT_LT(encode(fields, {.target_bytes = 6000})[1].squared_error, 0.7 * before);
+}
+
 TEST(EncodeFields, StorageBelowTheTablesIsAnErrorThatSaysSo) {
-  EXPECT_THROW(encode({synthetic::field({8, 8}, 32, 32)}, {.target_bytes = 300}), InputError);
+  EXPECT_THROW(encode({synthetic::field({8, 8}, 32, 32)}, {.target_bytes = 100}), InputError);
 }
 
 TEST(PriceSearch, FindsTheRootOfAPowerLawInAFewSteps) {
