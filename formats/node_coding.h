@@ -9,9 +9,11 @@
 // transformed, quantized and coded by an adaptive binary range coder.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <span>
 
 namespace vitrine {
@@ -91,6 +93,11 @@ std::span<const ScanPosition> scan_order(int log2);
 // Inverse of scan_order.
 int scan_index(int log2, int x, int y);
 
+// What was already coded around a coefficient, at higher frequencies: sum of magnitudes and count of nonzeros.
+struct LevelTemplate {
+  int sum = 0, count = 0;
+};
+
 // One plane's quantized coefficients in a block; two columns and rows of zeros follow, for the contexts of neighbours.
 struct CoefficientLevels {
   static constexpr int kStride = kTileSize + 2;
@@ -101,6 +108,23 @@ struct CoefficientLevels {
 
   int16_t& at(int x, int y) { return value[static_cast<size_t>(y) * kStride + x]; }
   int16_t at(int x, int y) const { return value[static_cast<size_t>(y) * kStride + x]; }
+  // As code_levels (formats/node_syntax.h) asks for them and reports them.
+  void find_anew() { nonzero_count = 0; }
+  LevelTemplate around(ScanPosition place) const {
+    constexpr int kNeighbours[] = {1, 2, kStride, kStride + 1, 2 * kStride};
+    LevelTemplate t;
+    for (const int offset : kNeighbours) {
+      const int magnitude = std::abs(static_cast<int>(value[static_cast<size_t>(place.y * kStride + place.x + offset)]));
+      t.sum += magnitude;
+      t.count += magnitude != 0;
+    }
+    return t;
+  }
+  int level(ScanPosition place) const { return at(place.x, place.y); }
+  void found(ScanPosition place, int level) {
+    at(place.x, place.y) = static_cast<int16_t>(level);
+    nonzero[static_cast<size_t>(nonzero_count++)] = place;
+  }
   void clear() {
     for (int i = 0; i < nonzero_count; ++i) at(nonzero[i].x, nonzero[i].y) = 0;
     nonzero_count = 0;
@@ -110,8 +134,30 @@ struct CoefficientLevels {
 
 // The basis of the 32-point transform, in 1/64 of sqrt(32) times orthonormal; that of N points is every (32/N)-th row,
 // first N columns (ITU-T H.265, 8.6.4.2).
-const std::array<std::array<int16_t, kTileSize>, kTileSize>& transform_basis();
+inline constexpr std::array<std::array<int16_t, kTileSize>, kTileSize> kTransformBasis = [] {
+  // 64 sqrt(2) cos(a pi / 64), rounded as H.265 does, for a = 0..32.
+  constexpr std::array<int16_t, 33> kCosine = {64, 90, 90, 90, 89, 88, 87, 85, 83, 82, 80, 78, 75, 73, 70, 67, 64,
+                                               61, 57, 54, 50, 46, 43, 38, 36, 31, 25, 22, 18, 13, 9,  4,  0};
+  std::array<std::array<int16_t, kTileSize>, kTileSize> basis{};
+  for (int k = 0; k < kTileSize; ++k)
+    for (int n = 0; n < kTileSize; ++n) {
+      const int angle = (2 * n + 1) * k % 128, a = angle > 64 ? 128 - angle : angle;
+      basis[static_cast<size_t>(k)][static_cast<size_t>(n)] =
+          static_cast<int16_t>(a <= 32 ? kCosine[static_cast<size_t>(a)] : -kCosine[static_cast<size_t>(64 - a)]);
+    }
+  return basis;
+}();
 
+// |level| <= 32767 and step < 65536, so the product is below 2^31.
+inline int16_t dequantize(int level, int step, int log2) {
+  const int magnitude =
+      static_cast<int>((static_cast<uint32_t>(std::abs(level)) * static_cast<uint32_t>(step) + (1u << (log2 - 1))) >> log2);
+  return static_cast<int16_t>(std::clamp(level < 0 ? -magnitude : magnitude, -32768, 32767));
+}
+
+// `coefficients`: dequantized, column after column, each of 2^log2 rows, of which the first `rows` are read; `residual` gets size
+// x size values, rows after one another. Any values are safe.
+void invert_transform(const int16_t* coefficients, int columns, int rows, int log2, int16_t* residual);
 // Dequantizes and inverts: `residual` gets size x size values, rows after one another. Any levels and step are safe.
 void reconstruct_residual(const CoefficientLevels& levels, int log2, uint16_t step, int16_t* residual);
 
@@ -122,6 +168,18 @@ struct NodePlane {
   int16_t* data;
   int width, height;
 };
+// Texels next to a block; beyond the plane's far edges the last texel inside goes on. Where nothing is to one side, the first
+// texel on the other goes on.
+struct BlockBorder {
+  bool has_left = false, has_above = false;
+  std::array<int16_t, kTileSize> left, above;
+  int16_t mean(int log2) const;
+};
+// `x`, `y`: of the block's first texel, inside the plane. Reads only what was decoded before the block.
+BlockBorder border_of(const NodePlane& plane, int x, int y, int size);
+
+// Into size x size values.
+void predict_from(Prediction mode, const BlockBorder& border, int log2, int16_t* prediction);
 // Predicts the block whose first texel is (x, y), inside the plane, into size x size values. What lies outside the plane or
 // was not decoded yet is never read.
 void predict_block(Prediction mode, const NodePlane& plane, int x, int y, int log2, int16_t* prediction);

@@ -26,6 +26,7 @@ struct NodeWriter {
     range.raw(value);
     return value;
   }
+  static constexpr bool exhausted() { return false; }
 };
 
 }  // namespace
