@@ -39,11 +39,8 @@ constexpr auto kRamp = [] {
 
 int16_t clamp16(int value) { return static_cast<int16_t>(std::clamp(value, -32768, 32767)); }
 
-struct Extent {
-  int columns = 0, rows = 0;
-};
-Extent extent_of(const CoefficientLevels& levels) {
-  Extent e;
+CoefficientExtent extent_of(const CoefficientLevels& levels) {
+  CoefficientExtent e;
   for (int i = 0; i < levels.nonzero_count; ++i) {
     e.columns = std::max(e.columns, levels.nonzero[static_cast<size_t>(i)].x + 1);
     e.rows = std::max(e.rows, levels.nonzero[static_cast<size_t>(i)].y + 1);
@@ -86,12 +83,12 @@ void invert_rows(const int16_t* columns, int count, int16_t* residual) {
 }
 
 template <int kLog2>
-void invert(const int16_t* coefficients, int columns, int rows, int16_t* residual) {
+void invert(const int16_t* coefficients, CoefficientExtent extent, int16_t* residual) {
   constexpr int kSize = 1 << kLog2;
   std::array<int16_t, kSize * kSize> half_way;
-  for (int k = 0; k < columns; ++k)
-    invert_column<kLog2>(&coefficients[static_cast<size_t>(k) * kSize], rows, &half_way[static_cast<size_t>(k) * kSize]);
-  invert_rows<kLog2>(half_way.data(), columns, residual);
+  for (int k = 0; k < extent.columns; ++k)
+    invert_column<kLog2>(coefficients + k * extent.even_rows(), extent.rows, &half_way[static_cast<size_t>(k) * kSize]);
+  invert_rows<kLog2>(half_way.data(), extent.columns, residual);
 }
 
 // H.265, 8.4.4.2.5, with the block's own corner texels for those that may not be decoded yet.
@@ -153,21 +150,21 @@ int scan_index(int log2, int x, int y) {
   return size * size - after * (after + 1) / 2 + (size - 1 - y);
 }
 
-void invert_transform(const int16_t* coefficients, int columns, int rows, int log2, int16_t* residual) {
-  if (log2 == 3) return invert<3>(coefficients, columns, rows, residual);
-  if (log2 == 4) return invert<4>(coefficients, columns, rows, residual);
-  return invert<5>(coefficients, columns, rows, residual);
+void invert_transform(const int16_t* coefficients, CoefficientExtent extent, int log2, int16_t* residual) {
+  if (log2 == 3) return invert<3>(coefficients, extent, residual);
+  if (log2 == 4) return invert<4>(coefficients, extent, residual);
+  return invert<5>(coefficients, extent, residual);
 }
 
 void reconstruct_residual(const CoefficientLevels& levels, int log2, uint16_t step, int16_t* residual) {
-  const Extent extent = extent_of(levels);
+  const CoefficientExtent extent = extent_of(levels);
   std::array<int16_t, kTileSize * kTileSize> coefficients;  // only the extent is filled
-  std::fill_n(coefficients.begin(), static_cast<size_t>(extent.columns) << log2, int16_t{0});
+  std::fill_n(coefficients.begin(), extent.even_columns() * extent.even_rows(), int16_t{0});
   for (int i = 0; i < levels.nonzero_count; ++i) {
     const ScanPosition at = levels.nonzero[static_cast<size_t>(i)];
-    coefficients[(static_cast<size_t>(at.x) << log2) + at.y] = dequantize(levels.at(at.x, at.y), step, log2);
+    coefficients[static_cast<size_t>(at.x * extent.even_rows() + at.y)] = dequantize(levels.at(at.x, at.y), step, log2);
   }
-  invert_transform(coefficients.data(), extent.columns, extent.rows, log2, residual);
+  invert_transform(coefficients.data(), extent, log2, residual);
 }
 
 BlockBorder border_of(const NodePlane& plane, int x, int y, int size) {
@@ -235,7 +232,7 @@ void store_zero_block(const NodePlane& plane, int x, int y, int log2) {
 }
 
 uint64_t units_of_transform(const CoefficientLevels& levels, int log2) {
-  const Extent extent = extent_of(levels);
+  const CoefficientExtent extent = extent_of(levels);
   return units_of_transform(log2, extent.columns, extent.rows);
 }
 

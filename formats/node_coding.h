@@ -155,9 +155,16 @@ inline int16_t dequantize(int level, int step, int log2) {
   return static_cast<int16_t>(std::clamp(level < 0 ? -magnitude : magnitude, -32768, 32767));
 }
 
-// `coefficients`: dequantized, column after column, each of 2^log2 rows, of which the first `rows` are read; `residual` gets size
-// x size values, rows after one another. Any values are safe.
-void invert_transform(const int16_t* coefficients, int columns, int rows, int log2, int16_t* residual);
+// Nonzero coefficients lie in the first `columns` and `rows`, one of each at least. Transforms take them column after column,
+// each even_rows() long, even_columns() of them; what is more than `columns` and `rows` is zero.
+struct CoefficientExtent {
+  int columns = 0, rows = 0;
+  int even_columns() const { return (columns + 1) / 2 * 2; }
+  int even_rows() const { return (rows + 1) / 2 * 2; }
+};
+
+// `coefficients`: dequantized; `residual` gets size x size values, rows after one another. Any values are safe.
+void invert_transform(const int16_t* coefficients, CoefficientExtent extent, int log2, int16_t* residual);
 // Dequantizes and inverts: `residual` gets size x size values, rows after one another. Any levels and step are safe.
 void reconstruct_residual(const CoefficientLevels& levels, int log2, uint16_t step, int16_t* residual);
 

@@ -68,10 +68,10 @@ void predict_any(Prediction mode, const BlockBorder& border, int log2, int16_t* 
     std::copy_n(&prediction[static_cast<size_t>(row << log2)], 1 << log2, out + row * stride);
 }
 
-void add_any(const int16_t* coefficients, int columns, int rows, int log2, int16_t* out, ptrdiff_t stride) {
+void add_any(const int16_t* coefficients, CoefficientExtent extent, int log2, int16_t* out, ptrdiff_t stride) {
   const int size = 1 << log2;
   std::array<int16_t, kTileSize * kTileSize> residual;
-  invert_transform(coefficients, columns, rows, log2, residual.data());
+  invert_transform(coefficients, extent, log2, residual.data());
   for (int row = 0; row < size; ++row)
     for (int x = 0; x < size; ++x) {
       int16_t& texel = out[row * stride + x];
@@ -125,7 +125,7 @@ hn::Vec<D32> clamp16(hn::Vec<D32> v) {
 
 // Columns 2 c and 2 c + 1 become pairs, one for each y.
 template <int kLog2>
-void invert_two_columns(const int16_t* coefficients, int row_pairs, int32_t* pairs) {
+void invert_two_columns(const int16_t* left_column, const int16_t* right_column, int row_pairs, int32_t* pairs) {
   using D32 = Wide<kLog2>;
   constexpr size_t kSize = size_t{1} << kLog2;
   const D32 d;
@@ -133,8 +133,8 @@ void invert_two_columns(const int16_t* coefficients, int row_pairs, int32_t* pai
     PairSum<D32> left, right;
     for (int p = 0; p < row_pairs; ++p) {
       const auto basis = load_basis<kLog2>(p, y);
-      left.add(basis, pair_at(coefficients + 2 * p));
-      right.add(basis, pair_at(coefficients + kSize + 2 * static_cast<size_t>(p)));
+      left.add(basis, pair_at(left_column + 2 * p));
+      right.add(basis, pair_at(right_column + 2 * p));
     }
     const auto low = hn::And(clamp16<D32>(left.template shifted<6>()), hn::Set(d, 0xffff));
     const auto high = hn::ShiftLeft<16>(clamp16<D32>(right.template shifted<6>()));
@@ -170,16 +170,16 @@ void add_rows(const int32_t* pairs, int column_pairs, int16_t* out, ptrdiff_t st
 
 // The same row of the residual everywhere: the coefficients lie in one row.
 template <int kLog2>
-void add_same_row(const int16_t* coefficients, int column_pairs, int16_t* out, ptrdiff_t stride) {
+void add_same_row(const int16_t* coefficients, CoefficientExtent extent, int16_t* out, ptrdiff_t stride) {
   using D32 = Wide<kLog2>;
   constexpr size_t kSize = size_t{1} << kLog2;
   const hn::Rebind<int16_t, D32> narrow;
   for (size_t x = 0; x < kSize; x += hn::Lanes(D32())) {
     PairSum<D32> sum;
-    for (int p = 0; p < column_pairs; ++p) {
-      const auto left = static_cast<uint16_t>(coefficients[2 * static_cast<size_t>(p) * kSize]),
-                 right = static_cast<uint16_t>(coefficients[(2 * static_cast<size_t>(p) + 1) * kSize]);
-      sum.add(load_basis<kLog2>(p, x), static_cast<int32_t>(left | static_cast<uint32_t>(right) << 16));
+    for (int c = 0; c < extent.columns; c += 2) {
+      const auto left = static_cast<uint16_t>(coefficients[c * extent.even_rows()]),
+                 right = static_cast<uint16_t>(coefficients[(c + 1) * extent.even_rows()]);
+      sum.add(load_basis<kLog2>(c / 2, x), static_cast<int32_t>(left | static_cast<uint32_t>(right) << 16));
     }
     const auto residual = hn::DemoteTo(narrow, sum.template shifted<9>());
     for (size_t y = 0; y < kSize; ++y) add_clamped(narrow, residual, out + static_cast<ptrdiff_t>(y) * stride + x);
@@ -196,16 +196,16 @@ void add_constant(int16_t coefficient, int16_t* out, ptrdiff_t stride) {
 }
 
 template <int kLog2>
-void add(const int16_t* coefficients, int columns, int rows, int16_t* out, ptrdiff_t stride) {
+void add(const int16_t* coefficients, CoefficientExtent extent, int16_t* out, ptrdiff_t stride) {
   constexpr size_t kSize = size_t{1} << kLog2;
-  if (columns == 1 && rows == 1) return add_constant<kLog2>(coefficients[0], out, stride);
-  const int column_pairs = (columns + 1) / 2, row_pairs = (rows + 1) / 2;
+  if (extent.columns == 1 && extent.rows == 1) return add_constant<kLog2>(coefficients[0], out, stride);
   // The first row of the basis is 64 everywhere: what the columns would do with it is undone by their rounding.
-  if (rows == 1) return add_same_row<kLog2>(coefficients, column_pairs, out, stride);
+  if (extent.rows == 1) return add_same_row<kLog2>(coefficients, extent, out, stride);
   alignas(64) std::array<int32_t, kSize / 2 * kSize> pairs;
+  const int column_pairs = extent.even_columns() / 2, row_pairs = extent.even_rows() / 2;
   for (int c = 0; c < column_pairs; ++c) {
-    const size_t at = static_cast<size_t>(c) * kSize;
-    invert_two_columns<kLog2>(coefficients + 2 * at, row_pairs, &pairs[at]);
+    const int16_t* left = coefficients + 2 * c * extent.even_rows();
+    invert_two_columns<kLog2>(left, left + extent.even_rows(), row_pairs, &pairs[static_cast<size_t>(c) * kSize]);
   }
   add_rows<kLog2>(pairs.data(), column_pairs, out, stride);
 }
@@ -257,10 +257,10 @@ void predict_any(Prediction mode, const BlockBorder& border, int log2, int16_t* 
   return predict<5>(mode, border, out, stride);
 }
 
-void add_any(const int16_t* coefficients, int columns, int rows, int log2, int16_t* out, ptrdiff_t stride) {
-  if (log2 == 3) return add<3>(coefficients, columns, rows, out, stride);
-  if (log2 == 4) return add<4>(coefficients, columns, rows, out, stride);
-  return add<5>(coefficients, columns, rows, out, stride);
+void add_any(const int16_t* coefficients, CoefficientExtent extent, int log2, int16_t* out, ptrdiff_t stride) {
+  if (log2 == 3) return add<3>(coefficients, extent, out, stride);
+  if (log2 == 4) return add<4>(coefficients, extent, out, stride);
+  return add<5>(coefficients, extent, out, stride);
 }
 
 #endif
@@ -280,8 +280,8 @@ void predict_texels(Prediction mode, const BlockBorder& border, int log2, int16_
   HWY_DYNAMIC_DISPATCH(predict_any)(mode, border, log2, out, stride);
 }
 
-void add_residual(const int16_t* coefficients, int columns, int rows, int log2, int16_t* out, ptrdiff_t stride) {
-  HWY_DYNAMIC_DISPATCH(add_any)(coefficients, columns, rows, log2, out, stride);
+void add_residual(const int16_t* coefficients, CoefficientExtent extent, int log2, int16_t* out, ptrdiff_t stride) {
+  HWY_DYNAMIC_DISPATCH(add_any)(coefficients, extent, log2, out, stride);
 }
 
 }  // namespace vitrine

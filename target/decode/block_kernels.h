@@ -14,9 +14,8 @@ namespace vitrine {
 // Writes the prediction of a whole block, rows `stride` apart. Not for Prediction::kZero: that is what is there already.
 void predict_texels(Prediction mode, const BlockBorder& border, int log2, int16_t* out, ptrdiff_t stride);
 
-// Inverts dequantized coefficients and adds them to a whole block, rows `stride` apart, which holds its prediction; clamps.
-// `coefficients`: column after column, each of 2^log2 rows; nonzero ones lie in the first `columns` and `rows` (1 or more). Up to
-// the next even number of both they must be there, as zeros; beyond it they are not read.
-void add_residual(const int16_t* coefficients, int columns, int rows, int log2, int16_t* out, ptrdiff_t stride);
+// Inverts dequantized coefficients, as invert_transform takes them, and adds them to a whole block, rows `stride` apart, which
+// holds its prediction; clamps.
+void add_residual(const int16_t* coefficients, CoefficientExtent extent, int log2, int16_t* out, ptrdiff_t stride);
 
 }  // namespace vitrine

@@ -114,9 +114,7 @@ void NodeDecoder::decode_leaf(Symbols& symbols, Block block, Neighbours near) {
 
 void NodeDecoder::decode_plane(Symbols& symbols, int index, Block block, bool coded, Prediction mode) {
   if (coded) {
-    Symbols own = symbols;  // in registers
-    code_levels(own, block.log2, index, levels_);
-    symbols = own;
+    read_levels(symbols, index, block.log2);
     symbols.spent += units_of_transform(block.log2, levels_.columns(), levels_.rows());
     if (symbols.exhausted()) return;
   }
@@ -130,22 +128,28 @@ void NodeDecoder::decode_plane(Symbols& symbols, int index, Block block, bool co
   if (mode != Prediction::kZero)
     predict_texels(mode, border_of(to, block.x, block.y, size), block.log2, out, stride);
   else if (!inside)
-    whole.fill(0);
+    std::fill_n(whole.begin(), size * size, int16_t{0});
   if (coded) add_found(index, block, out, stride);
   for (int row = 0; !inside && row < rows; ++row)
     std::copy_n(out + row * stride, columns, texels + static_cast<ptrdiff_t>(row) * width_);
 }
 
+// The innermost loop: all of it in one function, with a coder of its own, whose state the compiler then keeps in registers.
+[[gnu::flatten]] void NodeDecoder::read_levels(Symbols& symbols, int plane, int log2) {
+  Symbols own = symbols;
+  code_levels(own, log2, plane, levels_);
+  symbols = own;
+}
+
 void NodeDecoder::add_found(int index, Block block, int16_t* out, ptrdiff_t stride) {
-  const int columns = levels_.columns(), rows = levels_.rows();
+  const CoefficientExtent extent{levels_.columns(), levels_.rows()};
+  const size_t column = static_cast<size_t>(extent.even_rows());
   alignas(64) std::array<int16_t, kTileSize * kTileSize> coefficients;
-  for (int i = 0; i < (columns + 1) / 2 * 2; ++i)
-    std::fill_n(&coefficients[static_cast<size_t>(i << block.log2)], (rows + 1) / 2 * 2, int16_t{0});
+  std::memset(coefficients.data(), 0, static_cast<size_t>(extent.even_columns()) * column * sizeof(int16_t));
   for (const auto& [at, level] : levels_.all())
-    coefficients[static_cast<size_t>((at.x << block.log2) + at.y)] =
-        dequantize(level, steps_[static_cast<size_t>(index)], block.log2);
+    coefficients[at.x * column + at.y] = dequantize(level, steps_[static_cast<size_t>(index)], block.log2);
   levels_.clear();
-  add_residual(coefficients.data(), columns, rows, block.log2, out, stride);
+  add_residual(coefficients.data(), extent, block.log2, out, stride);
 }
 
 void NodeDecoder::mark(Block block, uint8_t flags) {

@@ -48,6 +48,7 @@ class NodeDecoder {
   void decode_block(Symbols& symbols, Block block);
   void decode_leaf(Symbols& symbols, Block block, struct Neighbours near);
   void decode_plane(Symbols& symbols, int plane, Block block, bool coded, Prediction mode);
+  void read_levels(Symbols& symbols, int plane, int log2);
   void add_found(int plane, Block block, int16_t* out, ptrdiff_t stride);
   void mark(Block block, uint8_t flags);
   void next_tile();

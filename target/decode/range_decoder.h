@@ -27,11 +27,12 @@ class RangeDecoder {
     const bool one = code_ < bound;
     if (one) {
       range_ = bound;
+      context.update(true);
     } else {
       code_ -= bound;
       range_ -= bound;
+      context.update(false);
     }
-    context.update(one);
     normalize();
     return one;
   }
