@@ -231,9 +231,4 @@ void store_zero_block(const NodePlane& plane, int x, int y, int log2) {
   }
 }
 
-uint64_t units_of_transform(const CoefficientLevels& levels, int log2) {
-  const CoefficientExtent extent = extent_of(levels);
-  return units_of_transform(log2, extent.columns, extent.rows);
-}
-
 }  // namespace vitrine

@@ -2,6 +2,7 @@
 #include "target/decode/node_decoder.h"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 #include "formats/node_syntax.h"
@@ -12,18 +13,18 @@ namespace vitrine {
 // The reader that formats/node_syntax.h goes through: counts every symbol, and knows when the node has spent more than it may.
 struct NodeDecoder::Symbols {
   bool bit(int context, bool) {
-    spent += kUnitsPerSymbol;
+    work += kUnitsPerSymbol;
     return range.bit(contexts[context]);
   }
   bool raw(bool) {
-    spent += kUnitsPerSymbol;
+    work += kUnitsPerSymbol;
     return range.raw();
   }
-  bool exhausted() const { return spent > limit; }
+  bool exhausted() const { return work + kUnitsPerByte * range.bytes_read() > limit; }
 
   RangeDecoder range;
   AdaptiveBit* contexts;
-  uint64_t spent, limit;
+  uint64_t work, limit;
 };
 
 Status NodeDecoder::start(const NodeDesc& desc, std::span<const std::byte> bytes, std::span<int16_t> planes) {
@@ -46,7 +47,8 @@ Status NodeDecoder::start(const NodeDesc& desc, std::span<const std::byte> bytes
   left_.fill(kOutsideFlags);
   levels_.clear();
   tile_x_ = tile_y_ = 0;
-  spent_ = 0;
+  work_ = kUnitsPerNode;
+  reported_ = 0;
   declared_ = desc.units;
   empty_ = bytes.empty();
   done_ = false;
@@ -54,17 +56,18 @@ Status NodeDecoder::start(const NodeDesc& desc, std::span<const std::byte> bytes
 }
 
 Result<uint64_t> NodeDecoder::step(uint64_t units) {
-  const uint64_t before = spent_, limit = declared_ != 0 ? declared_ : ~uint64_t{0};
-  while (!done_ && (spent_ == before || spent_ - before < units)) {
+  const uint64_t before = reported_, limit = declared_ != 0 ? declared_ : ~uint64_t{0};
+  for (bool any = false; !done_ && (!any || spent() - before < units); any = true) {
     if (tile_x_ == 0) clear_row_of_tiles();
-    Symbols symbols{range_, contexts_.data(), spent_ + kUnitsPerTile, limit};
+    Symbols symbols{range_, contexts_.data(), work_ + kUnitsPerTile, limit};
     if (!empty_) decode_block(symbols, {tile_x_, tile_y_, kTileLog2});
     range_ = symbols.range;
-    spent_ = symbols.spent;
+    work_ = symbols.work;
     next_tile();
-    if (symbols.exhausted() || (done_ && declared_ != 0 && spent_ != declared_)) return give_up();
+    if (symbols.exhausted() || (done_ && declared_ != 0 && spent() != declared_)) return give_up();
   }
-  return spent_ - before;
+  reported_ = spent();
+  return reported_ - before;
 }
 
 Status NodeDecoder::give_up() {
@@ -98,6 +101,7 @@ void NodeDecoder::decode_block(Symbols& symbols, Block block) {
   if (block.x >= width_ || block.y >= height_ || symbols.exhausted()) return;
   const size_t row = static_cast<size_t>(block.y % kTileSize / kCellSize), column = static_cast<size_t>(block.x / kCellSize);
   const Neighbours near{left_[row], above_[column]};
+  symbols.work += kUnitsPerBlock;
   if (code_skip(symbols, block.log2, near, false)) return mark(block, kFlagSkipped);
   if (!code_split(symbols, block.log2, near, false)) return decode_leaf(symbols, block, near);
   const int half = 1 << (block.log2 - 1);
@@ -107,7 +111,8 @@ void NodeDecoder::decode_block(Symbols& symbols, Block block) {
 void NodeDecoder::decode_leaf(Symbols& symbols, Block block, Neighbours near) {
   const Prediction mode = code_prediction(symbols, block.log2, near, Prediction::kZero);
   const int coded = code_coded_planes(symbols, block.log2, near, 0);
-  symbols.spent += units_of_block(block.log2, mode != Prediction::kZero);
+  const int planes_of_texels = std::popcount(static_cast<unsigned>(coded)) + (mode != Prediction::kZero ? kNodePlanes : 0);
+  symbols.work += static_cast<uint64_t>(planes_of_texels) * units_of_texels(block.log2);
   for (int p = 0; p < kNodePlanes && !symbols.exhausted(); ++p) decode_plane(symbols, p, block, (coded >> p) & 1, mode);
   mark(block, static_cast<uint8_t>((mode != Prediction::kZero ? kFlagPredicted : 0) | coded * kFlagCoded0));
 }
@@ -115,7 +120,6 @@ void NodeDecoder::decode_leaf(Symbols& symbols, Block block, Neighbours near) {
 void NodeDecoder::decode_plane(Symbols& symbols, int index, Block block, bool coded, Prediction mode) {
   if (coded) {
     read_levels(symbols, index, block.log2);
-    symbols.spent += units_of_transform(block.log2, levels_.columns(), levels_.rows());
     if (symbols.exhausted()) return;
   }
   const NodePlane to = plane(index);

@@ -52,6 +52,7 @@ class NodeDecoder {
   void add_found(int plane, Block block, int16_t* out, ptrdiff_t stride);
   void mark(Block block, uint8_t flags);
   void next_tile();
+  uint64_t spent() const { return work_ + kUnitsPerByte * range_.bytes_read(); }
   Status give_up();
   NodePlane plane(int index) const;
 
@@ -63,7 +64,9 @@ class NodeDecoder {
   std::span<int16_t> planes_;
   std::array<uint16_t, kNodePlanes> steps_{};
   int width_ = 0, height_ = 0, tile_x_ = 0, tile_y_ = 0;
-  uint64_t spent_ = 0, declared_ = 0;
+  uint64_t work_ = 0;      // units but for those of bytes
+  uint64_t reported_ = 0;  // units that steps have returned
+  uint64_t declared_ = 0;
   bool empty_ = false, done_ = true;
 };
 
