@@ -21,7 +21,7 @@ class FoundLevels {
     int16_t level;
   };
 
-  int last = 0;
+  int last = 0;  // read by code_levels before it is known: always a place of the block
 
   // For code_levels (formats/node_syntax.h). Contexts ask whether a sum reaches 56, and for no larger numbers.
   void find_anew() { count_ = columns_ = rows_ = 0; }
@@ -47,6 +47,8 @@ class FoundLevels {
       uint16_t* at = &around_[index_of(found_[i].at)];
       for (const size_t before : kBefore) *(at - before) = 0;
     }
+    count_ = 0;
+    last = 0;
   }
 
  private:
