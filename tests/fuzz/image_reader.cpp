@@ -20,6 +20,12 @@ constexpr int kMostNodes = 16;              // decoded of a field
 constexpr uint64_t kMostUnits = 2'000'000;  // of a node
 constexpr size_t kMostTexels = 1 << 20;
 
+// The checksum is a section's last number.
+void seal(const fb::Section& section, uint64_t checksum) {
+  auto* end = const_cast<uint8_t*>(reinterpret_cast<const uint8_t*>(&section + 1));
+  std::memcpy(end - sizeof(checksum), &checksum, sizeof(checksum));
+}
+
 // The input: bytes of the directory (32), then the directory, then what lies behind it.
 std::vector<std::byte> sealed(std::span<const std::byte> input) {
   uint32_t directory_bytes;
@@ -34,8 +40,7 @@ std::vector<std::byte> sealed(std::span<const std::byte> input) {
   if (verifier.VerifyBuffer<fb::Image>(nullptr))
     for (const fb::Section* section : *fb::GetImage(directory.data())->sections())
       if (section->offset() <= file.size() && section->size() <= file.size() - section->offset())
-        const_cast<fb::Section*>(section)->mutate_checksum(
-            checksum_of(std::span(file).subspan(section->offset(), section->size())));
+        seal(*section, checksum_of(std::span(file).subspan(section->offset(), section->size())));
   const auto header = write_header({kImageVersion, file.size(), directory_bytes, checksum_of(directory)});
   std::copy(header.begin(), header.end(), file.begin());
   return file;
