@@ -31,25 +31,6 @@ constexpr auto kScan8 = make_scan<3>();
 constexpr auto kScan16 = make_scan<4>();
 constexpr auto kScan32 = make_scan<5>();
 
-// 64 sqrt(2) cos(a pi / 64), rounded as H.265 does, for a = 1..32.
-constexpr std::array<int16_t, 33> kCosine = {0,  90, 90, 90, 89, 88, 87, 85, 83, 82, 80, 78, 75, 73, 70, 67, 64,
-                                             61, 57, 54, 50, 46, 43, 38, 36, 31, 25, 22, 18, 13, 9,  4,  0};
-
-constexpr int16_t cosine(int angle) {
-  const int a = angle % 128 > 64 ? 128 - angle % 128 : angle % 128;
-  return static_cast<int16_t>(a <= 32 ? kCosine[static_cast<size_t>(a)] : -kCosine[static_cast<size_t>(64 - a)]);
-}
-
-constexpr auto make_basis() {
-  std::array<std::array<int16_t, kTileSize>, kTileSize> basis{};
-  for (int k = 0; k < kTileSize; ++k) {
-    for (int n = 0; n < kTileSize; ++n)
-      basis[static_cast<size_t>(k)][static_cast<size_t>(n)] = k == 0 ? int16_t{64} : cosine((2 * n + 1) * k);
-  }
-  return basis;
-}
-constexpr auto kBasis = make_basis();
-
 constexpr auto kRamp = [] {
   std::array<int16_t, kTileSize> ramp{};
   for (size_t i = 0; i < kTileSize; ++i) ramp[i] = static_cast<int16_t>(i);
@@ -58,18 +39,8 @@ constexpr auto kRamp = [] {
 
 int16_t clamp16(int value) { return static_cast<int16_t>(std::clamp(value, -32768, 32767)); }
 
-// |level| <= 32767 and step < 65536, so the product is below 2^31.
-int16_t dequantize(int level, int step, int log2) {
-  const int magnitude =
-      static_cast<int>((static_cast<uint32_t>(std::abs(level)) * static_cast<uint32_t>(step) + (1u << (log2 - 1))) >> log2);
-  return clamp16(level < 0 ? -magnitude : magnitude);
-}
-
-struct Extent {
-  int columns = 0, rows = 0;
-};
-Extent extent_of(const CoefficientLevels& levels) {
-  Extent e;
+CoefficientExtent extent_of(const CoefficientLevels& levels) {
+  CoefficientExtent e;
   for (int i = 0; i < levels.nonzero_count; ++i) {
     e.columns = std::max(e.columns, levels.nonzero[static_cast<size_t>(i)].x + 1);
     e.rows = std::max(e.rows, levels.nonzero[static_cast<size_t>(i)].y + 1);
@@ -91,7 +62,7 @@ void invert_column(const int16_t* coefficients, int rows, int16_t* column) {
   sum.fill(32);
   for (int k = 0; k < rows; ++k) {
     if (coefficients[k] != 0)
-      accumulate<kSize>(sum.data(), kBasis[static_cast<size_t>(k) << (kTileLog2 - kLog2)].data(), coefficients[k]);
+      accumulate<kSize>(sum.data(), kTransformBasis[static_cast<size_t>(k) << (kTileLog2 - kLog2)].data(), coefficients[k]);
   }
   for (int y = 0; y < kSize; ++y) column[y] = clamp16(sum[static_cast<size_t>(y)] >> 6);
 }
@@ -104,65 +75,24 @@ void invert_rows(const int16_t* columns, int count, int16_t* residual) {
     std::array<int32_t, kSize> sum;
     sum.fill(1 << (kShift - 1));
     for (int k = 0; k < count; ++k) {
-      accumulate<kSize>(sum.data(), kBasis[static_cast<size_t>(k) << (kTileLog2 - kLog2)].data(), columns[k * kSize + y]);
+      accumulate<kSize>(sum.data(), kTransformBasis[static_cast<size_t>(k) << (kTileLog2 - kLog2)].data(),
+                        columns[k * kSize + y]);
     }
     for (int x = 0; x < kSize; ++x) residual[y * kSize + x] = clamp16(sum[static_cast<size_t>(x)] >> kShift);
   }
 }
 
 template <int kLog2>
-void reconstruct(const CoefficientLevels& levels, int step, int16_t* residual) {
+void invert(const int16_t* coefficients, CoefficientExtent extent, int16_t* residual) {
   constexpr int kSize = 1 << kLog2;
-  const Extent extent = extent_of(levels);
-  std::array<int16_t, kSize * kSize> coefficients;  // column-major, only the extent is filled
-  std::memset(coefficients.data(), 0, sizeof(int16_t) * kSize * static_cast<size_t>(extent.columns));
-  for (int i = 0; i < levels.nonzero_count; ++i) {
-    const ScanPosition at = levels.nonzero[static_cast<size_t>(i)];
-    coefficients[static_cast<size_t>(at.x) * kSize + at.y] = dequantize(levels.at(at.x, at.y), step, kLog2);
-  }
-  std::array<int16_t, kSize * kSize> columns;
+  std::array<int16_t, kSize * kSize> half_way;
   for (int k = 0; k < extent.columns; ++k)
-    invert_column<kLog2>(&coefficients[static_cast<size_t>(k) * kSize], extent.rows, &columns[static_cast<size_t>(k) * kSize]);
-  invert_rows<kLog2>(columns.data(), extent.columns, residual);
-}
-
-// Texels next to a block; beyond the plane's far edges the last texel inside goes on.
-struct Border {
-  bool has_left = false, has_above = false;
-  std::array<int16_t, kTileSize> left, above;
-};
-
-Border border_of(const NodePlane& plane, int x, int y, int size) {
-  Border b;
-  b.has_left = x > 0;
-  b.has_above = y > 0;
-  const int rows = std::min(size, plane.height - y), columns = std::min(size, plane.width - x);
-  const ptrdiff_t stride = plane.width;
-  if (b.has_left) {
-    const int16_t* at = plane.data + y * stride + x - 1;
-    for (int i = 0; i < size; ++i) b.left[static_cast<size_t>(i)] = at[std::min(i, rows - 1) * stride];
-  }
-  if (b.has_above) {
-    const int16_t* at = plane.data + (y - 1) * stride + x;
-    for (int i = 0; i < size; ++i) b.above[static_cast<size_t>(i)] = at[std::min(i, columns - 1)];
-  }
-  if (!b.has_left) b.left.fill(b.has_above ? b.above[0] : int16_t{0});
-  if (!b.has_above) b.above.fill(b.has_left ? b.left[0] : int16_t{0});
-  return b;
-}
-
-void predict_mean(const Border& b, int log2, int16_t* out) {
-  const int size = 1 << log2;
-  int sum = 0;
-  for (int i = 0; i < size; ++i) {
-    sum += b.has_left || !b.has_above ? b.left[static_cast<size_t>(i)] : b.above[static_cast<size_t>(i)];
-    sum += b.has_above || !b.has_left ? b.above[static_cast<size_t>(i)] : b.left[static_cast<size_t>(i)];
-  }
-  std::fill(out, out + size * size, static_cast<int16_t>((sum + size) >> (log2 + 1)));
+    invert_column<kLog2>(coefficients + k * extent.even_rows(), extent.rows, &half_way[static_cast<size_t>(k) * kSize]);
+  invert_rows<kLog2>(half_way.data(), extent.columns, residual);
 }
 
 // H.265, 8.4.4.2.5, with the block's own corner texels for those that may not be decoded yet.
-void predict_planar(const Border& b, int log2, int16_t* out) {
+void predict_planar(const BlockBorder& b, int log2, int16_t* out) {
   const int size = 1 << log2;
   const int right = b.above[static_cast<size_t>(size) - 1], below = b.left[static_cast<size_t>(size) - 1];
   std::array<int32_t, kTileSize> vertical, slope;  // down each column
@@ -220,26 +150,67 @@ int scan_index(int log2, int x, int y) {
   return size * size - after * (after + 1) / 2 + (size - 1 - y);
 }
 
-const std::array<std::array<int16_t, kTileSize>, kTileSize>& transform_basis() { return kBasis; }
+void invert_transform(const int16_t* coefficients, CoefficientExtent extent, int log2, int16_t* residual) {
+  if (log2 == 3) return invert<3>(coefficients, extent, residual);
+  if (log2 == 4) return invert<4>(coefficients, extent, residual);
+  return invert<5>(coefficients, extent, residual);
+}
 
 void reconstruct_residual(const CoefficientLevels& levels, int log2, uint16_t step, int16_t* residual) {
-  if (log2 == 3) return reconstruct<3>(levels, step, residual);
-  if (log2 == 4) return reconstruct<4>(levels, step, residual);
-  return reconstruct<5>(levels, step, residual);
+  const CoefficientExtent extent = extent_of(levels);
+  std::array<int16_t, kTileSize * kTileSize> coefficients;  // only the extent is filled
+  std::fill_n(coefficients.begin(), extent.even_columns() * extent.even_rows(), int16_t{0});
+  for (int i = 0; i < levels.nonzero_count; ++i) {
+    const ScanPosition at = levels.nonzero[static_cast<size_t>(i)];
+    coefficients[static_cast<size_t>(at.x * extent.even_rows() + at.y)] = dequantize(levels.at(at.x, at.y), step, log2);
+  }
+  invert_transform(coefficients.data(), extent, log2, residual);
+}
+
+BlockBorder border_of(const NodePlane& plane, int x, int y, int size) {
+  BlockBorder b;
+  b.has_left = x > 0;
+  b.has_above = y > 0;
+  const int rows = std::min(size, plane.height - y), columns = std::min(size, plane.width - x);
+  const ptrdiff_t stride = plane.width;
+  if (b.has_left) {
+    const int16_t* at = plane.data + y * stride + x - 1;
+    for (int i = 0; i < rows; ++i) b.left[static_cast<size_t>(i)] = at[i * stride];
+    std::fill(b.left.begin() + rows, b.left.end(), b.left[static_cast<size_t>(rows) - 1]);
+  }
+  if (b.has_above) {
+    std::copy_n(plane.data + (y - 1) * stride + x, columns, b.above.begin());
+    std::fill(b.above.begin() + columns, b.above.end(), b.above[static_cast<size_t>(columns) - 1]);
+  }
+  if (!b.has_left) b.left.fill(b.has_above ? b.above[0] : int16_t{0});
+  if (!b.has_above) b.above.fill(b.has_left ? b.left[0] : int16_t{0});
+  return b;
+}
+
+int16_t BlockBorder::mean(int log2) const {
+  const int size = 1 << log2;
+  const auto &first = has_left || !has_above ? left : above, &second = has_above || !has_left ? above : left;
+  int sum = size;
+  for (size_t i = 0; i < static_cast<size_t>(size); ++i) sum += first[i] + second[i];
+  return static_cast<int16_t>(sum >> (log2 + 1));
+}
+
+void predict_from(Prediction mode, const BlockBorder& border, int log2, int16_t* prediction) {
+  const int size = 1 << log2;
+  if (mode == Prediction::kPlanar) return predict_planar(border, log2, prediction);
+  const int16_t constant = mode == Prediction::kMean ? border.mean(log2) : int16_t{0};
+  for (int row = 0; row < size; ++row, prediction += size) {
+    if (mode == Prediction::kVertical)
+      std::copy_n(border.above.begin(), size, prediction);
+    else
+      std::fill_n(prediction, size, mode == Prediction::kHorizontal ? border.left[static_cast<size_t>(row)] : constant);
+  }
 }
 
 void predict_block(Prediction mode, const NodePlane& plane, int x, int y, int log2, int16_t* prediction) {
   const int size = 1 << log2;
   if (mode == Prediction::kZero) return static_cast<void>(std::fill(prediction, prediction + size * size, int16_t{0}));
-  const Border border = border_of(plane, x, y, size);
-  if (mode == Prediction::kMean) return predict_mean(border, log2, prediction);
-  if (mode == Prediction::kPlanar) return predict_planar(border, log2, prediction);
-  for (int row = 0; row < size; ++row, prediction += size) {
-    if (mode == Prediction::kVertical)
-      std::copy_n(border.above.begin(), size, prediction);
-    else
-      std::fill_n(prediction, size, border.left[static_cast<size_t>(row)]);
-  }
+  predict_from(mode, border_of(plane, x, y, size), log2, prediction);
 }
 
 void store_block(const int16_t* prediction, const int16_t* residual, const NodePlane& plane, int x, int y, int log2) {
@@ -258,11 +229,6 @@ void store_zero_block(const NodePlane& plane, int x, int y, int log2) {
     std::memset(plane.data + static_cast<ptrdiff_t>(y + row) * plane.width + x, 0,
                 sizeof(int16_t) * static_cast<size_t>(columns));
   }
-}
-
-uint64_t units_of_transform(const CoefficientLevels& levels, int log2) {
-  const Extent extent = extent_of(levels);
-  return units_of_transform(log2, extent.columns, extent.rows);
 }
 
 }  // namespace vitrine

@@ -9,9 +9,11 @@
 // transformed, quantized and coded by an adaptive binary range coder.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstdlib>
 #include <span>
 
 namespace vitrine {
@@ -92,6 +94,11 @@ std::span<const ScanPosition> scan_order(int log2);
 // Inverse of scan_order.
 int scan_index(int log2, int x, int y);
 
+// What was already coded around a coefficient, at higher frequencies: sum of magnitudes and count of nonzeros.
+struct LevelTemplate {
+  int sum = 0, count = 0;
+};
+
 // One plane's quantized coefficients in a block; two columns and rows of zeros follow, for the contexts of neighbours.
 struct CoefficientLevels {
   static constexpr int kStride = kTileSize + 2;
@@ -102,6 +109,23 @@ struct CoefficientLevels {
 
   int16_t& at(int x, int y) { return value[static_cast<size_t>(y) * kStride + x]; }
   int16_t at(int x, int y) const { return value[static_cast<size_t>(y) * kStride + x]; }
+  // As code_levels (formats/node_syntax.h) asks for them and reports them.
+  void find_anew() { nonzero_count = 0; }
+  LevelTemplate around(ScanPosition place) const {
+    constexpr int kNeighbours[] = {1, 2, kStride, kStride + 1, 2 * kStride};
+    LevelTemplate t;
+    for (const int offset : kNeighbours) {
+      const int magnitude = std::abs(static_cast<int>(value[static_cast<size_t>(place.y * kStride + place.x + offset)]));
+      t.sum += magnitude;
+      t.count += magnitude != 0;
+    }
+    return t;
+  }
+  int level(ScanPosition place) const { return at(place.x, place.y); }
+  void found(ScanPosition place, int level) {
+    at(place.x, place.y) = static_cast<int16_t>(level);
+    nonzero[static_cast<size_t>(nonzero_count++)] = place;
+  }
   void clear() {
     for (int i = 0; i < nonzero_count; ++i) at(nonzero[i].x, nonzero[i].y) = 0;
     nonzero_count = 0;
@@ -111,8 +135,37 @@ struct CoefficientLevels {
 
 // The basis of the 32-point transform, in 1/64 of sqrt(32) times orthonormal; that of N points is every (32/N)-th row,
 // first N columns (ITU-T H.265, 8.6.4.2).
-const std::array<std::array<int16_t, kTileSize>, kTileSize>& transform_basis();
+inline constexpr std::array<std::array<int16_t, kTileSize>, kTileSize> kTransformBasis = [] {
+  // 64 sqrt(2) cos(a pi / 64), rounded as H.265 does, for a = 0..32.
+  constexpr std::array<int16_t, 33> kCosine = {64, 90, 90, 90, 89, 88, 87, 85, 83, 82, 80, 78, 75, 73, 70, 67, 64,
+                                               61, 57, 54, 50, 46, 43, 38, 36, 31, 25, 22, 18, 13, 9,  4,  0};
+  std::array<std::array<int16_t, kTileSize>, kTileSize> basis{};
+  for (int k = 0; k < kTileSize; ++k)
+    for (int n = 0; n < kTileSize; ++n) {
+      const int angle = (2 * n + 1) * k % 128, a = angle > 64 ? 128 - angle : angle;
+      basis[static_cast<size_t>(k)][static_cast<size_t>(n)] =
+          static_cast<int16_t>(a <= 32 ? kCosine[static_cast<size_t>(a)] : -kCosine[static_cast<size_t>(64 - a)]);
+    }
+  return basis;
+}();
 
+// |level| <= 32767 and step < 65536, so the product is below 2^31.
+inline int16_t dequantize(int level, int step, int log2) {
+  const int magnitude =
+      static_cast<int>((static_cast<uint32_t>(std::abs(level)) * static_cast<uint32_t>(step) + (1u << (log2 - 1))) >> log2);
+  return static_cast<int16_t>(std::clamp(level < 0 ? -magnitude : magnitude, -32768, 32767));
+}
+
+// Nonzero coefficients lie in the first `columns` and `rows`, one of each at least. Transforms take them column after column,
+// each even_rows() long, even_columns() of them; what is more than `columns` and `rows` is zero.
+struct CoefficientExtent {
+  int columns = 0, rows = 0;
+  int even_columns() const { return (columns + 1) / 2 * 2; }
+  int even_rows() const { return (rows + 1) / 2 * 2; }
+};
+
+// `coefficients`: dequantized; `residual` gets size x size values, rows after one another. Any values are safe.
+void invert_transform(const int16_t* coefficients, CoefficientExtent extent, int log2, int16_t* residual);
 // Dequantizes and inverts: `residual` gets size x size values, rows after one another. Any levels and step are safe.
 void reconstruct_residual(const CoefficientLevels& levels, int log2, uint16_t step, int16_t* residual);
 
@@ -123,6 +176,18 @@ struct NodePlane {
   int16_t* data;
   int width, height;
 };
+// Texels next to a block; beyond the plane's far edges the last texel inside goes on. Where nothing is to one side, the first
+// texel on the other goes on.
+struct BlockBorder {
+  bool has_left = false, has_above = false;
+  std::array<int16_t, kTileSize> left, above;
+  int16_t mean(int log2) const;
+};
+// `x`, `y`: of the block's first texel, inside the plane. Reads only what was decoded before the block.
+BlockBorder border_of(const NodePlane& plane, int x, int y, int size);
+
+// Into size x size values.
+void predict_from(Prediction mode, const BlockBorder& border, int log2, int16_t* prediction);
 // Predicts the block whose first texel is (x, y), inside the plane, into size x size values. What lies outside the plane or
 // was not decoded yet is never read.
 void predict_block(Prediction mode, const NodePlane& plane, int x, int y, int log2, int16_t* prediction);
@@ -131,18 +196,16 @@ void store_block(const int16_t* prediction, const int16_t* residual, const NodeP
 void store_zero_block(const NodePlane& plane, int x, int y, int log2);
 
 // ---- units ----
+//
+// Fitted to the times of real nodes on an x86-64 server, in nanoseconds: what cannot be foreseen takes longest, and bytes tell
+// how much of it there is.
 
-inline constexpr uint64_t kUnitsPerTile = 128;  // each tile, empty ones too
-inline constexpr uint64_t kUnitsPerSymbol = 8;  // each binary symbol, adaptive or raw
-// Each block that is not skipped, and is `predicted`, three planes.
-inline constexpr uint64_t units_of_block(int log2, bool predicted) {
-  return (predicted ? 48u : 24u) + ((predicted ? 3u : 1u) << (2 * log2)) / 2;
-}
-// Each plane with coefficients, the highest of which lie in column `columns` - 1 and row `rows` - 1.
-inline constexpr uint64_t units_of_transform(int log2, int columns, int rows) {
-  const uint64_t size = 1u << log2;
-  return 32 + ((size * static_cast<uint64_t>(columns) * (static_cast<uint64_t>(rows) + size)) >> 3) + size * size / 2;
-}
-uint64_t units_of_transform(const CoefficientLevels& levels, int log2);
+inline constexpr uint64_t kUnitsPerNode = 900;
+inline constexpr uint64_t kUnitsPerTile = 160;  // each tile, empty ones too
+inline constexpr uint64_t kUnitsPerBlock = 24;  // each block that has a `skip` symbol
+inline constexpr uint64_t kUnitsPerSymbol = 4;  // each binary symbol, adaptive or raw
+inline constexpr uint64_t kUnitsPerByte = 56;   // of the node's bytes
+// Each plane of a block that is predicted, and each that has coefficients.
+inline constexpr uint64_t units_of_texels(int log2) { return (uint64_t{3} << (2 * log2)) / 32; }
 
 }  // namespace vitrine

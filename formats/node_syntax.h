@@ -4,6 +4,7 @@
 // function takes a coder with
 //   bool bit(int context, bool value)   an adaptive symbol; writers code `value` and return it, readers ignore it
 //   bool raw(bool value)                a symbol of one bit
+//   bool exhausted()                    readers: no more symbols may be spent
 // and goes through the same symbols in the same order. formats/NODE_CODING.md says why each context is what it is.
 #pragma once
 
@@ -90,22 +91,6 @@ int code_last_suffix(Coder& coder, int group, int coordinate) {
   return start + value;
 }
 
-// What was already coded around a coefficient, at higher frequencies: sum of magnitudes and count of nonzeros.
-struct LevelTemplate {
-  int sum = 0, count = 0;
-};
-inline LevelTemplate template_at(const CoefficientLevels& levels, int x, int y) {
-  const int16_t* at = &levels.value[static_cast<size_t>(y) * CoefficientLevels::kStride + x];
-  constexpr int kRow = CoefficientLevels::kStride;
-  LevelTemplate t;
-  for (const int offset : {1, 2, kRow, kRow + 1, 2 * kRow}) {
-    const int magnitude = std::abs(static_cast<int>(at[offset]));
-    t.sum += magnitude;
-    t.count += magnitude != 0;
-  }
-  return t;
-}
-
 inline int significance_context(int log2, int plane, int diagonal, int sum) {
   const int near = sum < 3 ? sum : sum < 5 ? 3 : 4;
   if (plane > 0) return kContextSignificant + 30 + 5 * (diagonal >= 2) + near;
@@ -160,22 +145,22 @@ int code_last(Coder& coder, int log2, int plane, int last) {
   return scan_index(log2, x, y);
 }
 
-// All coefficients of a plane that has some. Readers start from cleared `levels`; for all, `nonzero` is filled anew.
-template <typename Coder>
-void code_levels(Coder& coder, int log2, int plane, CoefficientLevels& levels) {
+// All coefficients of a plane that has some. `Levels` knows or learns them, as CoefficientLevels: `last` (a scan index),
+// level(place), found(place, level) for those that are not zero, the last one first, around(place) of those found. Ends early
+// where exhausted().
+template <typename Coder, typename Levels>
+void code_levels(Coder& coder, int log2, int plane, Levels& levels) {
   levels.last = code_last(coder, log2, plane, levels.last);
-  levels.nonzero_count = 0;
+  levels.find_anew();
   const auto scan = scan_order(log2);
-  for (int i = levels.last; i >= 0; --i) {
+  for (int i = levels.last; i >= 0 && !coder.exhausted(); --i) {
     const ScanPosition at = scan[static_cast<size_t>(i)];
-    const LevelTemplate t = template_at(levels, at.x, at.y);
-    const int diagonal = at.x + at.y;
-    int16_t& level = levels.at(at.x, at.y);
+    const LevelTemplate t = levels.around(at);
+    const int diagonal = at.x + at.y, level = levels.level(at);
     if (i != levels.last && !coder.bit(significance_context(log2, plane, diagonal, t.sum), level != 0)) continue;
-    const int magnitude = code_magnitude(coder, plane, diagonal, t, std::abs(static_cast<int>(level)));
+    const int magnitude = code_magnitude(coder, plane, diagonal, t, std::abs(level));
     const bool negative = coder.raw(level < 0);
-    level = static_cast<int16_t>(negative ? -magnitude : magnitude);
-    levels.nonzero[static_cast<size_t>(levels.nonzero_count++)] = at;
+    levels.found(at, negative ? -magnitude : magnitude);
   }
 }
 

@@ -103,9 +103,7 @@ RayRates measure_ray_rates(const Scene& scene, int samples_per_pixel, Progress& 
   options.width = kWidth;
   options.height = kHeight;
   options.samples_per_pixel = samples_per_pixel;
-  const auto render = [&](int threads) {
-    tbb::task_arena(threads).execute([&] { tracer.render(middle, options); });
-  };
+  const auto render = [&](int threads) { tbb::task_arena(threads).execute([&] { tracer.render(middle, options); }); };
 
   constexpr double kNever = std::numeric_limits<double>::infinity();
   const bool two = std::thread::hardware_concurrency() > 1;

@@ -137,7 +137,7 @@ FieldSource field_source(const Scene& scene, const Inference& inference, int num
   source.block_size = field.block_size;
   source.stagger = field.stagger;
   source.samples_shown = static_cast<double>(scene.space().sample_count()) / static_cast<double>(field.space.sample_count());
-  source.load = [&store, &field](int64_t sample) { return coded_planes(load_field_texture(store, field, sample)); };
+  source.load = [&store, &field](int64_t sample) { return coded_texture(store, field, sample); };
   return source;
 }
 
@@ -247,6 +247,10 @@ std::optional<Inference> find_inference(const Scene& scene, const Store& store, 
   for (const StoreKey& key : keys)
     if (!store.has_frame(key)) return std::nullopt;
   return infer(scene, keys, store, inference_options(scene, supersampling, filter), progress);
+}
+
+CodedPlanes coded_texture(const Store& store, const Field& field, int64_t sample) {
+  return coded_planes(load_field_texture(store, field, sample));
 }
 
 CompileReport compile_scene(const Scene& scene, const CompileOptions& options, Progress& progress) {

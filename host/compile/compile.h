@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "host/base/progress.h"
+#include "host/encode/encode.h"
 #include "host/frames/store.h"
 #include "host/infer/inference.h"
 #include "host/scene/scene.h"
@@ -46,6 +47,9 @@ InferenceOptions inference_options(const Scene& scene, int supersampling, Surfac
 // The inferred textures of a scene that was compiled with this store, or nothing where the store lacks its frames.
 std::optional<Inference> find_inference(const Scene& scene, const Store& store, int supersampling, SurfaceFilter filter,
                                         Progress& progress);
+
+// A texture of a field, `sample` flat in its own space, as the coder gets it. Throws InputError where the store has it no more.
+CodedPlanes coded_texture(const Store& store, const Field& field, int64_t sample);
 
 // Bytes of the whole image that a storage setting asks for. Throws InputError (named `source`) for one that says nothing.
 // "N:1": raw bytes / N. "X KB/block": X times the number of 8-sample blocks of the grid. "X KB", "X MB": itself.

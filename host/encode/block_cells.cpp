@@ -102,4 +102,25 @@ std::vector<BlockCell> cells_of_level(const FieldShape& shape, int block, int le
   return cells;
 }
 
+// Shares sum to one at most: no sum reaches 2^30.
+std::vector<int16_t> mixed_leaves(const std::vector<std::vector<int16_t>>& leaves, const BlockCell& cell) {
+  std::vector<int32_t> sum(leaves[cell.leaves[0]].size(), 1 << (kShareLog2 - 1));
+  for (size_t l = 0; l < cell.leaves.size(); ++l) {
+    const int16_t* leaf = leaves[cell.leaves[l]].data();
+    const int32_t share = cell.shares[l];
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] += share * leaf[i];
+  }
+  std::vector<int16_t> mixed(sum.size());
+  for (size_t i = 0; i < sum.size(); ++i) mixed[i] = static_cast<int16_t>(sum[i] >> kShareLog2);
+  return mixed;
+}
+
+void take_off_leaves(const std::vector<int16_t>& node, const BlockCell& cell, std::vector<std::vector<int16_t>>& leaves) {
+  for (size_t l = 0; l < cell.leaves.size(); ++l) {
+    std::vector<int16_t>& leaf = leaves[cell.leaves[l]];
+    const int sign = cell.subtracted[l] ? -1 : 1;
+    for (size_t i = 0; i < node.size(); ++i) leaf[i] = static_cast<int16_t>(leaf[i] - sign * node[i]);
+  }
+}
+
 }  // namespace vitrine

@@ -30,4 +30,9 @@ std::vector<BlockCell> cells_of_level(const FieldShape& shape, int block, int le
 // The grid sample of each of the block's leaves.
 std::vector<GridIndex> samples_of_block(const FieldShape& shape, int block);
 
+// What a node should hold of a block's leaves (or of what is left of them), rounded. Values lie within a few thousands.
+std::vector<int16_t> mixed_leaves(const std::vector<std::vector<int16_t>>& leaves, const BlockCell& cell);
+// Takes a node, as it decodes, off the leaves that it makes.
+void take_off_leaves(const std::vector<int16_t>& node, const BlockCell& cell, std::vector<std::vector<int16_t>>& leaves);
+
 }  // namespace vitrine

@@ -21,27 +21,6 @@ NodeEncoder& thread_encoder() {
   return encoder;
 }
 
-// What a node should hold, rounded. Shares sum to one at most and leaves lie within a few thousands: no sum reaches 2^30.
-CodedPlanes mix(const std::vector<CodedPlanes>& leaves, const BlockCell& cell) {
-  std::vector<int32_t> sum(leaves[cell.leaves[0]].size(), 1 << (kShareLog2 - 1));
-  for (size_t l = 0; l < cell.leaves.size(); ++l) {
-    const int16_t* leaf = leaves[cell.leaves[l]].data();
-    const int32_t share = cell.shares[l];
-    for (size_t i = 0; i < sum.size(); ++i) sum[i] += share * leaf[i];
-  }
-  CodedPlanes mixed(sum.size());
-  for (size_t i = 0; i < sum.size(); ++i) mixed[i] = static_cast<int16_t>(sum[i] >> kShareLog2);
-  return mixed;
-}
-
-// Takes a decoded node off a leaf.
-void take_off(const std::vector<int16_t>& node, bool subtracted, CodedPlanes& leaf) {
-  if (subtracted)
-    for (size_t i = 0; i < node.size(); ++i) leaf[i] = static_cast<int16_t>(leaf[i] + node[i]);
-  else
-    for (size_t i = 0; i < node.size(); ++i) leaf[i] = static_cast<int16_t>(leaf[i] - node[i]);
-}
-
 std::vector<float> cell_means(const std::vector<float>& importance, int width, int height, double samples_shown, double floor) {
   const int columns = (width + kCellSize - 1) / kCellSize, rows = (height + kCellSize - 1) / kCellSize;
   std::vector<float> means(static_cast<size_t>(columns * rows));
@@ -95,7 +74,7 @@ FieldCoder::FieldCoder(const FieldShape& shape, const FieldTextures& textures, c
 
 NodeCode FieldCoder::encode_cell(const BlockCell& cell, int block, int level, const std::vector<CodedPlanes>& rest,
                                  CodedSymbols* symbols) const {
-  const CodedPlanes wanted = mix(rest, cell);
+  const CodedPlanes wanted = mixed_leaves(rest, cell);
   NodeTask task;
   task.planes = wanted;
   task.width = textures_.width;
@@ -138,7 +117,7 @@ void FieldCoder::encode_level(int block, int level, std::vector<CodedPlanes>& re
     out.nodes[node] = std::move(code.bytes);
     out.units[node] = static_cast<uint32_t>(std::min<uint64_t>(code.units, std::numeric_limits<uint32_t>::max()));
     if (out.nodes[node].empty()) return;
-    for (size_t l = 0; l < cell.leaves.size(); ++l) take_off(code.planes, cell.subtracted[l], rest[cell.leaves[l]]);
+    take_off_leaves(code.planes, cell, rest);
   });
   for (const BlockCell& cell : cells)
     out.coded_nodes[static_cast<size_t>(level)] += !out.nodes[static_cast<size_t>(cell.node)].empty();

@@ -25,11 +25,10 @@ struct Basis {
   std::array<std::array<float, kHalf>, kSize> rows;
   std::array<std::array<float, kHalf>, kHalf> even, odd;  // [n][k / 2]
   Basis() {
-    const auto& basis = transform_basis();
     const float scale = 1 / (64 * std::sqrt(static_cast<float>(kSize)));
     for (size_t k = 0; k < kSize; ++k) {
       for (size_t n = 0; n < kHalf; ++n) {
-        rows[k][n] = scale * static_cast<float>(basis[k << (kTileLog2 - kLog2)][n]);
+        rows[k][n] = scale * static_cast<float>(kTransformBasis[k << (kTileLog2 - kLog2)][n]);
         (k & 1 ? odd : even)[n][k / 2] = rows[k][n];
       }
     }

@@ -1,6 +1,8 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 #include "host/encode/node_encoder.h"
 
+#include <bit>
+
 #include "formats/node_syntax.h"
 #include "host/encode/block_search.h"
 #include "host/encode/range_encoder.h"
@@ -26,6 +28,7 @@ struct NodeWriter {
     range.raw(value);
     return value;
   }
+  static constexpr bool exhausted() { return false; }
 };
 
 }  // namespace
@@ -41,6 +44,7 @@ struct NodeEncoder::Impl {
   bool write_block(NodeWriter& writer, const TileTree& tree, const Block& block, int tree_node) {
     if (block.x >= task->width || block.y >= task->height) return false;
     const Neighbours near = flags.around(block);
+    writer.units += kUnitsPerBlock;
     const Leaf& leaf = tree.leaves[static_cast<size_t>(tree_node)];
     const bool split = tree.split[static_cast<size_t>(tree_node)], skipped = !split && leaf.skipped;
     code_skip(writer, block.log2, near, skipped);
@@ -62,12 +66,12 @@ struct NodeEncoder::Impl {
     const bool predicted = leaf.mode != Prediction::kZero;
     code_prediction(writer, block.log2, near, leaf.mode);
     code_coded_planes(writer, block.log2, near, leaf.coded);
-    writer.units += units_of_block(block.log2, predicted);
+    const int planes_of_texels = std::popcount(static_cast<unsigned>(leaf.coded)) + (predicted ? kNodePlanes : 0);
+    writer.units += static_cast<uint64_t>(planes_of_texels) * units_of_texels(block.log2);
     for (int p = 0; p < kNodePlanes; ++p) {
       if (!((leaf.coded >> p) & 1)) continue;
       leaf.levels[static_cast<size_t>(p)].unpack(levels);
       code_levels(writer, block.log2, p, levels);
-      writer.units += units_of_transform(levels, block.log2);
       levels.clear();
     }
     flags.mark(block, static_cast<uint8_t>((predicted ? kFlagPredicted : 0) | leaf.coded * kFlagCoded0));
@@ -95,8 +99,8 @@ NodeCode NodeEncoder::encode(const NodeTask& task, CodedSymbols* symbols) {
     }
   }
   writer.range.finish();
-  code.units = tiles * kUnitsPerTile + (any ? writer.units : 0);
   if (!any) code.bytes.clear();
+  code.units = kUnitsPerNode + tiles * kUnitsPerTile + (any ? writer.units + kUnitsPerByte * code.bytes.size() : 0);
   if (!any && symbols) symbols->resize(symbols_before);
   return code;
 }

@@ -54,7 +54,7 @@ class PlaneQuantizer {
   void decide(int i, CoefficientLevels& levels) {
     const ScanPosition at = scan_[static_cast<size_t>(i)];
     const float c = coefficients_[(at.y << log2_) + at.x], u = std::fabs(c) * inverse_step_;
-    const LevelTemplate t = template_at(levels, at.x, at.y);
+    const LevelTemplate t = levels.around(at);
     const int diagonal = at.x + at.y, context = significance_context(log2_, plane_, diagonal, t.sum);
     const int nearest = std::min(static_cast<int>(u + 0.5f), kMaxCoefficientLevel);
     Decision best{scale_ * u * u, scale_ * u * u + costs_.of(context, false), costs_.of(context, false)};

@@ -39,7 +39,8 @@ uint64_t largest(const std::vector<uint64_t>& values) {
 // The most that one tile may cost, which is never split between frames: what its node costs beyond the least that all other
 // tiles do, but no more than a tile in which every coefficient is coded.
 uint64_t largest_tile(const std::vector<PlannedField>& fields) {
-  constexpr uint64_t kDensest = kUnitsPerTile + 3 * (kTileSize * kTileSize) * 3 * kUnitsPerSymbol + 40'000;
+  constexpr uint64_t kSymbols = 3 * (kTileSize * kTileSize) * 3;  // of a bit each
+  constexpr uint64_t kDensest = kUnitsPerNode + kUnitsPerTile + kSymbols * kUnitsPerSymbol + kSymbols / 8 * kUnitsPerByte + 2'000;
   uint64_t largest = 0;
   for (const PlannedField& field : fields) {
     const uint64_t tiles = static_cast<uint64_t>((field.width + kTileSize - 1) / kTileSize) *

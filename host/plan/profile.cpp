@@ -17,8 +17,8 @@ namespace {
 
 constexpr uint64_t kMiB = uint64_t{1} << 20;
 
-// Units: half of what one core decodes in a frame (500 to 700 units a microsecond on one core of an x86-64 server; a third of that
-// taken for boards), so that the rest of the frame is left for composing and drawing. Uploads: what the class of device copies
+// Units: a quarter of what one core decodes in a frame (about 1000 units a microsecond on one core of an x86-64 server; half of
+// that taken for boards), so that the rest of the frame is left for composing and drawing. Uploads: what the class of device copies
 // in a quarter of a frame.
 const std::array<Profile, 4>& built_in_profiles() {
   static const std::array<Profile, 4> profiles{{

@@ -2,34 +2,29 @@
 #include "target/decode/node_decoder.h"
 
 #include <algorithm>
+#include <bit>
+#include <cstring>
 
 #include "formats/node_syntax.h"
+#include "target/decode/block_kernels.h"
 
 namespace vitrine {
 
-// The reader that formats/node_syntax.h goes through: counts every symbol. Keeps the range coder by value while a tile is
-// decoded, so that its state can live in registers.
-struct NodeSymbols {
-  explicit NodeSymbols(NodeDecoder& of) : decoder(of), range(of.range_) {}
-  ~NodeSymbols() {
-    decoder.range_ = range;
-    decoder.spent_ += symbols * kUnitsPerSymbol;
-  }
-  NodeSymbols(const NodeSymbols&) = delete;
-  NodeSymbols& operator=(const NodeSymbols&) = delete;
-
+// The reader that formats/node_syntax.h goes through: counts every symbol, and knows when the node has spent more than it may.
+struct NodeDecoder::Symbols {
   bool bit(int context, bool) {
-    ++symbols;
-    return range.bit(decoder.contexts_[static_cast<size_t>(context)]);
+    work += kUnitsPerSymbol;
+    return range.bit(contexts[context]);
   }
   bool raw(bool) {
-    ++symbols;
+    work += kUnitsPerSymbol;
     return range.raw();
   }
+  bool exhausted() const { return work + kUnitsPerByte * range.bytes_read() > limit; }
 
-  NodeDecoder& decoder;
   RangeDecoder range;
-  uint64_t symbols = 0;
+  AdaptiveBit* contexts;
+  uint64_t work, limit;
 };
 
 Status NodeDecoder::start(const NodeDesc& desc, std::span<const std::byte> bytes, std::span<int16_t> planes) {
@@ -45,15 +40,15 @@ Status NodeDecoder::start(const NodeDesc& desc, std::span<const std::byte> bytes
   if (!load_contexts(desc.contexts, contexts_)) return {StatusCode::kMalformed, "wrong number of initial context states"};
   std::copy_n(desc.steps, kNodePlanes, steps_.begin());
   range_.start(bytes);
-  planes_ = planes;
+  planes_ = planes.first(kNodePlanes * texels);
   width_ = desc.width;
   height_ = desc.height;
   above_.fill(kOutsideFlags);
   left_.fill(kOutsideFlags);
-  levels_.value.fill(0);
-  levels_.nonzero_count = levels_.last = 0;
+  levels_.clear();
   tile_x_ = tile_y_ = 0;
-  spent_ = 0;
+  work_ = kUnitsPerNode;
+  reported_ = 0;
   declared_ = desc.units;
   empty_ = bytes.empty();
   done_ = false;
@@ -61,20 +56,24 @@ Status NodeDecoder::start(const NodeDesc& desc, std::span<const std::byte> bytes
 }
 
 Result<uint64_t> NodeDecoder::step(uint64_t units) {
-  const uint64_t before = spent_;
-  while (!done_ && (spent_ == before || spent_ - before < units)) {
-    spent_ += kUnitsPerTile;
-    if (empty_)
-      clear_tile();
-    else
-      decode_tile();
+  const uint64_t before = reported_, limit = declared_ != 0 ? declared_ : ~uint64_t{0};
+  for (bool any = false; !done_ && (!any || spent() - before < units); any = true) {
+    if (tile_x_ == 0) clear_row_of_tiles();
+    Symbols symbols{range_, contexts_.data(), work_ + kUnitsPerTile, limit};
+    if (!empty_) decode_block(symbols, {tile_x_, tile_y_, kTileLog2});
+    range_ = symbols.range;
+    work_ = symbols.work;
     next_tile();
-    if (declared_ != 0 && (spent_ > declared_ || (done_ && spent_ != declared_))) {
-      done_ = true;
-      return Status{StatusCode::kMalformed, "node takes other units than it declares"};
-    }
+    if (symbols.exhausted() || (done_ && declared_ != 0 && spent() != declared_)) return give_up();
   }
-  return spent_ - before;
+  reported_ = spent();
+  return reported_ - before;
+}
+
+Status NodeDecoder::give_up() {
+  done_ = true;
+  std::fill(planes_.begin(), planes_.end(), int16_t{0});
+  return {StatusCode::kMalformed, "node takes other units than it declares"};
 }
 
 NodePlane NodeDecoder::plane(int index) const {
@@ -91,67 +90,77 @@ void NodeDecoder::next_tile() {
   done_ = tile_y_ >= height_;
 }
 
-void NodeDecoder::clear_tile() {
-  for (int p = 0; p < kNodePlanes; ++p) store_zero_block(plane(p), tile_x_, tile_y_, kTileLog2);
+// Whole rows at once are much quicker than tiles one by one; most of most nodes stays zero.
+void NodeDecoder::clear_row_of_tiles() {
+  const auto rows = static_cast<size_t>(std::min(kTileSize, height_ - tile_y_)), width = static_cast<size_t>(width_);
+  for (int p = 0; p < kNodePlanes; ++p)
+    std::memset(plane(p).data + static_cast<size_t>(tile_y_) * width, 0, rows * width * sizeof(int16_t));
 }
 
-void NodeDecoder::decode_tile() { decode_block({tile_x_, tile_y_, kTileLog2}); }
-
-void NodeDecoder::decode_block(Block block) {
-  if (block.x >= width_ || block.y >= height_) return;
+void NodeDecoder::decode_block(Symbols& symbols, Block block) {
+  if (block.x >= width_ || block.y >= height_ || symbols.exhausted()) return;
   const size_t row = static_cast<size_t>(block.y % kTileSize / kCellSize), column = static_cast<size_t>(block.x / kCellSize);
   const Neighbours near{left_[row], above_[column]};
-  bool skipped, split = false;
-  {
-    NodeSymbols symbols(*this);
-    skipped = code_skip(symbols, block.log2, near, false);
-    if (!skipped) split = code_split(symbols, block.log2, near, false);
-  }
-  if (skipped) {
-    for (int p = 0; p < kNodePlanes; ++p) store_zero_block(plane(p), block.x, block.y, block.log2);
-    return mark(block, kFlagSkipped);
-  }
-  if (!split || block.log2 == kMinBlockLog2) return decode_leaf(block, near);
+  symbols.work += kUnitsPerBlock;
+  if (code_skip(symbols, block.log2, near, false)) return mark(block, kFlagSkipped);
+  if (!code_split(symbols, block.log2, near, false)) return decode_leaf(symbols, block, near);
   const int half = 1 << (block.log2 - 1);
-  for (int i = 0; i < 4; ++i) decode_block({block.x + (i & 1) * half, block.y + (i >> 1) * half, block.log2 - 1});
+  for (int i = 0; i < 4; ++i) decode_block(symbols, {block.x + (i & 1) * half, block.y + (i >> 1) * half, block.log2 - 1});
 }
 
-void NodeDecoder::decode_leaf(Block block, Neighbours near) {
-  Prediction mode;
-  int coded;
-  {
-    NodeSymbols symbols(*this);
-    mode = code_prediction(symbols, block.log2, near, Prediction::kZero);
-    coded = code_coded_planes(symbols, block.log2, near, 0);
-  }
-  spent_ += units_of_block(block.log2, mode != Prediction::kZero);
-  for (int p = 0; p < kNodePlanes; ++p) decode_plane(p, block, (coded >> p) & 1, mode);
+void NodeDecoder::decode_leaf(Symbols& symbols, Block block, Neighbours near) {
+  const Prediction mode = code_prediction(symbols, block.log2, near, Prediction::kZero);
+  const int coded = code_coded_planes(symbols, block.log2, near, 0);
+  const int planes_of_texels = std::popcount(static_cast<unsigned>(coded)) + (mode != Prediction::kZero ? kNodePlanes : 0);
+  symbols.work += static_cast<uint64_t>(planes_of_texels) * units_of_texels(block.log2);
+  for (int p = 0; p < kNodePlanes && !symbols.exhausted(); ++p) decode_plane(symbols, p, block, (coded >> p) & 1, mode);
   mark(block, static_cast<uint8_t>((mode != Prediction::kZero ? kFlagPredicted : 0) | coded * kFlagCoded0));
 }
 
-void NodeDecoder::decode_plane(int index, Block block, bool coded, Prediction mode) {
-  std::array<int16_t, kTileSize * kTileSize> prediction, residual;
-  if (!coded && mode == Prediction::kZero) return store_zero_block(plane(index), block.x, block.y, block.log2);
-  predict_block(mode, plane(index), block.x, block.y, block.log2, prediction.data());
+void NodeDecoder::decode_plane(Symbols& symbols, int index, Block block, bool coded, Prediction mode) {
   if (coded) {
-    {
-      NodeSymbols symbols(*this);
-      code_levels(symbols, block.log2, index, levels_);
-    }
-    spent_ += units_of_transform(levels_, block.log2);
-    reconstruct_residual(levels_, block.log2, steps_[static_cast<size_t>(index)], residual.data());
-    levels_.clear();
+    read_levels(symbols, index, block.log2);
+    if (symbols.exhausted()) return;
   }
-  store_block(prediction.data(), coded ? residual.data() : nullptr, plane(index), block.x, block.y, block.log2);
+  const NodePlane to = plane(index);
+  const int size = 1 << block.log2, columns = std::min(size, width_ - block.x), rows = std::min(size, height_ - block.y);
+  int16_t* texels = to.data + static_cast<ptrdiff_t>(block.y) * width_ + block.x;
+  const bool inside = columns == size && rows == size;
+  alignas(64) std::array<int16_t, kTileSize * kTileSize> whole;  // of a block that the node's edge cuts
+  int16_t* out = inside ? texels : whole.data();
+  const ptrdiff_t stride = inside ? width_ : size;
+  if (mode != Prediction::kZero)
+    predict_texels(mode, border_of(to, block.x, block.y, size), block.log2, out, stride);
+  else if (!inside)
+    std::fill_n(whole.begin(), size * size, int16_t{0});
+  if (coded) add_found(index, block, out, stride);
+  for (int row = 0; !inside && row < rows; ++row)
+    std::copy_n(out + row * stride, columns, texels + static_cast<ptrdiff_t>(row) * width_);
+}
+
+// The innermost loop: all of it in one function, with a coder of its own, whose state the compiler then keeps in registers.
+[[gnu::flatten]] void NodeDecoder::read_levels(Symbols& symbols, int plane, int log2) {
+  Symbols own = symbols;
+  code_levels(own, log2, plane, levels_);
+  symbols = own;
+}
+
+void NodeDecoder::add_found(int index, Block block, int16_t* out, ptrdiff_t stride) {
+  const CoefficientExtent extent{levels_.columns(), levels_.rows()};
+  const size_t column = static_cast<size_t>(extent.even_rows());
+  alignas(64) std::array<int16_t, kTileSize * kTileSize> coefficients;
+  std::memset(coefficients.data(), 0, static_cast<size_t>(extent.even_columns()) * column * sizeof(int16_t));
+  for (const auto& [at, level] : levels_.all())
+    coefficients[at.x * column + at.y] = dequantize(level, steps_[static_cast<size_t>(index)], block.log2);
+  levels_.clear();
+  add_residual(coefficients.data(), extent, block.log2, out, stride);
 }
 
 void NodeDecoder::mark(Block block, uint8_t flags) {
   const uint8_t value = static_cast<uint8_t>(flags | (block.log2 - kMinBlockLog2) << kFlagSizeShift);
-  const int cells = 1 << (block.log2 - kMinBlockLog2);
-  for (int i = 0; i < cells; ++i) {
-    left_[static_cast<size_t>(block.y % kTileSize / kCellSize + i)] = value;
-    above_[static_cast<size_t>(block.x / kCellSize + i)] = value;
-  }
+  const size_t cells = size_t{1} << (block.log2 - kMinBlockLog2);
+  std::fill_n(&left_[static_cast<size_t>(block.y % kTileSize / kCellSize)], cells, value);
+  std::fill_n(&above_[static_cast<size_t>(block.x / kCellSize)], cells, value);
 }
 
 }  // namespace vitrine

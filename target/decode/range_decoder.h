@@ -15,7 +15,7 @@ namespace vitrine {
 class RangeDecoder {
  public:
   void start(std::span<const std::byte> bytes) {
-    at_ = bytes.data();
+    begin_ = at_ = bytes.data();
     end_ = at_ + bytes.size();
     range_ = 0xffffffffu;
     code_ = 0;
@@ -27,22 +27,26 @@ class RangeDecoder {
     const bool one = code_ < bound;
     if (one) {
       range_ = bound;
+      context.update(true);
     } else {
       code_ -= bound;
       range_ -= bound;
+      context.update(false);
     }
-    context.update(one);
     normalize();
     return one;
   }
 
+  // Without a branch, for nobody can predict it.
   bool raw() {
     range_ >>= 1;
-    const bool one = code_ >= range_;
-    if (one) code_ -= range_;
+    const auto below = static_cast<uint32_t>((uint64_t{code_} - range_) >> 63);
+    code_ -= range_ & (below - 1);
     normalize();
-    return one;
+    return below == 0;
   }
+
+  uint64_t bytes_read() const { return static_cast<uint64_t>(at_ - begin_); }
 
  private:
   uint32_t next() { return at_ < end_ ? static_cast<uint32_t>(*at_++) : 0; }
@@ -54,7 +58,7 @@ class RangeDecoder {
     }
   }
 
-  const std::byte *at_ = nullptr, *end_ = nullptr;
+  const std::byte *begin_ = nullptr, *at_ = nullptr, *end_ = nullptr;
   uint32_t range_ = 0, code_ = 0;
 };
 

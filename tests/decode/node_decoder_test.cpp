@@ -24,7 +24,7 @@ TEST(NodeDecoder, NoBytesAreTheAllZeroNode) {
     ASSERT_TRUE(decoder.start(desc_of(w, h), {}, planes).ok());
     uint64_t units = 0;
     while (!decoder.done()) units += decoder.step(1).value();
-    EXPECT_EQ(units, kUnitsPerTile * static_cast<uint64_t>((w + 31) / 32 * ((h + 31) / 32)));
+    EXPECT_EQ(units, kUnitsPerNode + kUnitsPerTile * static_cast<uint64_t>((w + 31) / 32 * ((h + 31) / 32)));
     EXPECT_EQ(planes, std::vector<int16_t>(planes.size(), 0));
   }
 }
@@ -48,7 +48,7 @@ TEST(NodeDecoder, RefusesDescriptionsOutOfRange) {
 }
 
 // Every coefficient of every plane takes at most about 40 symbols, so no tile can take more units than this.
-constexpr uint64_t kWorstTile = 3 * 1024 * 45 * kUnitsPerSymbol + 100000;
+constexpr uint64_t kWorstTile = 3 * 1024 * 45 * (kUnitsPerSymbol + 2 * kUnitsPerByte) + 100000;
 
 TEST(NodeDecoder, AnyBytesDecodeInBoundedTimeToValuesInRange) {
   std::mt19937 random(7);
@@ -76,7 +76,7 @@ TEST(NodeDecoder, AnyBytesDecodeInBoundedTimeToValuesInRange) {
   }
 }
 
-TEST(NodeDecoder, MoreWorkThanDeclaredStopsWithinOneTile) {
+TEST(NodeDecoder, MoreWorkThanDeclaredStopsAndLeavesNothing) {
   std::mt19937 random(3);
   std::vector<std::byte> bytes(4000);
   for (std::byte& b : bytes) b = static_cast<std::byte>(random());
@@ -89,8 +89,10 @@ TEST(NodeDecoder, MoreWorkThanDeclaredStopsWithinOneTile) {
     desc.units = declared;
     NodeDecoder decoder;
     ASSERT_TRUE(decoder.start(desc, bytes, planes).ok());
+    planes.assign(planes.size(), 77);
     EXPECT_EQ(decoder.step(~uint64_t{0}).status().code(), StatusCode::kMalformed);
     EXPECT_TRUE(decoder.done());
+    EXPECT_EQ(planes, std::vector<int16_t>(planes.size(), 0));
   }
   desc.units = units;
   NodeDecoder decoder;

@@ -143,6 +143,16 @@ void add_bench_smoothing(CLI::App& bench, BenchSmoothingCommand& options) {
   command->footer("Example: vitrine bench smoothing shop --work shop.work");
 }
 
+void add_bench_decode(CLI::App& bench, BenchDecodeCommand& options) {
+  CLI::App* command = bench.add_subcommand("decode", "How fast one thread decodes an image's nodes, beside libjpeg-turbo with the same pictures at equal PSNR and a plain copy");
+  command->add_option("IMAGE", options.image, "Image (.vit)")->required()->check(kNotEmpty);
+  command->add_option("--scene", options.scene, "The scene it was compiled from")->required()->check(kNotEmpty);
+  command->add_option("--work", options.work, "Work folder of the compile (default: IMAGE.work)")->check(kNotEmpty);
+  command->add_option("--rounds", options.rounds, "Rounds, of which the best counts")->capture_default_str()->check(CLI::Range(1, 1000));
+  add_common_options(*command, options.common);
+  command->footer("Example: vitrine bench decode lamp.vit --scene shop");
+}
+
 std::string name_of_command(const CLI::App& app) {
   const std::vector<CLI::App*> commands = app.get_subcommands();
   return commands.empty() ? "vitrine" : "vitrine " + commands.front()->get_name();
@@ -165,6 +175,7 @@ struct Commands {
   BenchCoordinatesCommand bench_coordinates;
   BenchInferenceCostCommand bench_inference_cost;
   BenchSmoothingCommand bench_smoothing;
+  BenchDecodeCommand bench_decode;
 };
 
 std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
@@ -178,6 +189,7 @@ std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
   if (app.get_subcommand("bench")->got_subcommand("coordinates")) return [command = commands.bench_coordinates] { command.run(); };
   if (app.get_subcommand("bench")->got_subcommand("inference-cost")) return [command = commands.bench_inference_cost] { command.run(); };
   if (app.get_subcommand("bench")->got_subcommand("smoothing")) return [command = commands.bench_smoothing] { command.run(); };
+  if (app.get_subcommand("bench")->got_subcommand("decode")) return [command = commands.bench_decode] { command.run(); };
   return [command = commands.bench_trace] { command.run(); };
 }
 
@@ -203,6 +215,7 @@ std::function<void()> parse_command_line(int argc, char** argv) {
   add_bench_coordinates(*bench, commands.bench_coordinates);
   add_bench_inference_cost(*bench, commands.bench_inference_cost);
   add_bench_smoothing(*bench, commands.bench_smoothing);
+  add_bench_decode(*bench, commands.bench_decode);
   // CLI11 would only say that a subcommand is missing.
   if (argc > 1 && argv[1][0] != '-' && !has_command(app, argv[1]))
     throw UsageError(std::string("there is no command \"") + argv[1] + "\": use new, render, compile, inspect, verify or bench: see vitrine --help");

@@ -97,6 +97,13 @@ struct BenchSmoothingCommand {
   void run() const;
 };
 
+struct BenchDecodeCommand {
+  std::string image, scene, work;
+  int rounds = 15;
+  CommonOptions common;
+  void run() const;
+};
+
 // Progress as the options ask: silent, a terminal line, or plain lines, always on stderr.
 std::unique_ptr<Progress> make_progress(const CommonOptions& options);
 // Limits all stages to `jobs` threads for the life of the returned object.

@@ -5,17 +5,13 @@
 #include <map>
 #include <nlohmann/json.hpp>
 
-#include "hal/backends.h"
-#include "hal/storage.h"
-#include "host/base/error.h"
 #include "host/base/output_file.h"
 #include "host/compile/compile.h"
-#include "host/compile/preset.h"
 #include "host/verify/verify.h"
-#include "tools/bus_error.h"
 #include "tools/commands/commands.h"
 #include "tools/commands/print_json.h"
 #include "tools/commands/contact_sheet.h"
+#include "tools/commands/image_input.h"
 #include "tools/commands/scene_input.h"
 
 namespace vitrine {
@@ -102,23 +98,6 @@ nlohmann::json report_json(const Verification& verification, bool with_inferred)
   return report;
 }
 
-GridOfImage grid_of(const ImageView& image) {
-  GridOfImage grid;
-  grid.width = static_cast<int>(image.directory().width());
-  grid.height = static_cast<int>(image.directory().height());
-  grid.paths_per_pixel = static_cast<int>(image.directory().paths_per_pixel());
-  grid.noise_db = image.directory().noise_db();
-  for (const fb::Axis* axis : *image.directory().axes()) grid.axes.emplace_back(axis->name()->str(), static_cast<int>(axis->samples()));
-  return grid;
-}
-
-// Axes may well be called alike in two scenes; objects hardly are.
-void check_objects(const ImageView& image, const Scene& scene, const std::string& name) {
-  for (const fb::Object* object : *image.directory().objects())
-    if (std::none_of(scene.objects.begin(), scene.objects.end(), [&](const Object& o) { return o.name == object->name()->str(); }))
-      throw InputError(name, "it shows \"" + object->name()->str() + "\", which " + scene.file.string() + " does not have", "name the scene that it was compiled from");
-}
-
 // A figure is about the image only while its references are much cleaner than it.
 void warn_of_noise(const Verification& verification) {
   constexpr double kMarginDb = 6;
@@ -134,20 +113,13 @@ void VerifyCommand::run() const {
   if (!sheet.empty()) check_output_file(sheet);
   const auto jobs = limit_jobs(common);
   const auto progress = make_progress(common);
-  explain_bus_errors("vitrine", image);
-  auto file = hal::MappedFile::open(image.c_str());
-  if (!file.ok()) throw InputError(image, file.status().detail(), "name an image that vitrine compile wrote");
-  const auto opened = ImageView::open(file.value().bytes());
-  if (!opened.ok()) throw InputError(image, opened.status().detail(), "compile it again");
-  const auto loaded = load_scene_with(scene, common, [&](Scene& s) { apply_grid(s, grid_of(opened.value()), image); });
-  check_objects(opened.value(), *loaded, image);
-  if (const uint64_t key = opened.value().directory().frames_key(); !common.quiet && key != 0 && key != frames_key(frame_keys(*loaded)))
-    fmt::print(stderr, "vitrine: warning: {}: {} has changed since it was compiled: the figures compare it with what the scene shows now\n", image, scene);
+  const OpenImage opened(image);
+  const auto loaded = load_scene_of(opened.view(), image, scene, common);
 
   const Store store(work.empty() ? default_work_folder(image) : std::filesystem::path(work));
-  const auto inference = find_inference(*loaded, store, static_cast<int>(opened.value().directory().supersampling()),
-                                        opened.value().filter(), *progress);
-  const Verification verification = verify_image(opened.value(), *loaded, store, inference ? &*inference : nullptr, {.at = at, .between = between, .off = off}, *progress);
+  const auto inference = find_inference(*loaded, store, static_cast<int>(opened.view().directory().supersampling()),
+                                        opened.view().filter(), *progress);
+  const Verification verification = verify_image(opened.view(), *loaded, store, inference ? &*inference : nullptr, {.at = at, .between = between, .off = off}, *progress);
   if (!common.quiet) warn_of_noise(verification);
   if (!sheet.empty()) write_contact_sheet(sheet, verification.comparisons);
   if (common.json)
