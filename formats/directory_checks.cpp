@@ -6,8 +6,9 @@
 
 #include "formats/image.h"
 #include "formats/mesh.h"
-#include "formats/node_coding.h"
+#include "formats/node_coder.h"
 #include "formats/rig.h"
+#include "formats/spiht_coding.h"
 #include "formats/text.h"
 
 namespace vitrine {
@@ -243,6 +244,8 @@ class ObjectChecker {
       return malformed("a field's texture has an impossible size");
     // A composed texture with its MIP levels (4/3 of the finest) on both sides of the upload, in half floats, RGBA; and a byte.
     memory_ += (2 * 8 * 4 / 3 + 1) * width * height;
+    if (field.coder() == fb::NodeCoder::spiht)
+      memory_ += kNodesInDecoding * sizeof(uint16_t) * spiht_scratch_words(static_cast<int>(width), static_cast<int>(height));
     return {};
   }
 
@@ -275,7 +278,7 @@ class ObjectChecker {
   // Either none, for the coder's built-in states, or a set for every level.
   Status check_contexts(const fb::Field& field) {
     const uint64_t bytes = image_.sections()->Get(field.contexts())->size();
-    if (bytes != 0 && bytes != field.level_steps()->size() / 3 * kContextBytesPerLevel)
+    if (bytes != 0 && bytes != field.level_steps()->size() / 3 * context_bytes_per_level(static_cast<NodeCoder>(field.coder())))
       return malformed("a field has not one set of contexts per level");
     return {};
   }

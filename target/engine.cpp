@@ -22,7 +22,7 @@ Motion motion_of(const ImageView& image) {
 }
 
 Status check_contexts(const FieldState& field) {
-  const size_t expected = static_cast<size_t>(field.shape.pyramid.level_count) * kContextBytesPerLevel;
+  const size_t expected = static_cast<size_t>(field.shape.pyramid.level_count) * context_bytes_per_level(field.coder());
   if (field.contexts.empty() || field.contexts.size() == expected) return {};
   return {StatusCode::kMalformed, "a field has a wrong number of coding contexts"};
 }

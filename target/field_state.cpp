@@ -46,14 +46,18 @@ NodeDesc FieldState::desc_of(uint32_t node) const {
   desc.height = height;
   for (uint32_t p = 0; p < 3; ++p) desc.steps[p] = field->level_steps()->Get(3 * level + p);
   if (!contexts.empty()) {
-    const auto of_level = contexts.subspan(level * kContextBytesPerLevel, kContextBytesPerLevel);
+    const size_t of_coder = context_bytes_per_level(coder());
+    const auto of_level = contexts.subspan(level * of_coder, of_coder);
     desc.contexts = {reinterpret_cast<const uint8_t*>(of_level.data()), of_level.size()};
   }
   desc.units = field->node_units()->Get(node);
   return desc;
 }
 
-int FieldState::tile_count() const { return ((width + kTileSize - 1) / kTileSize) * ((height + kTileSize - 1) / kTileSize); }
+int FieldState::step_count() const {
+  if (coder() == NodeCoder::kSpiht) return 1;
+  return ((width + kTileSize - 1) / kTileSize) * ((height + kTileSize - 1) / kTileSize);
+}
 
 bool FieldState::shows(const ShownField& shown, uint32_t node) const {
   const int level = shape.level_of(static_cast<int>(node));

@@ -178,7 +178,7 @@ BuiltImage build_image(const Scene& scene, const Inference& inference, const Sto
   for (size_t f = 0; f < inference.fields.size(); ++f)
     sources.push_back(field_source(scene, inference, static_cast<int>(f),
                                    factors[static_cast<size_t>(inference.fields[f].drawn_object)], store));
-  const std::vector<EncodedField> encoded = encode_fields(sources, {.target_bytes = field_bytes}, progress);
+  const std::vector<EncodedField> encoded = encode_fields(sources, {.coder = scene.settings.codec, .target_bytes = field_bytes}, progress);
 
   std::vector<PlannedField> planned;
   for (size_t f = 0; f < encoded.size(); ++f)

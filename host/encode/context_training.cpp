@@ -71,8 +71,7 @@ uint8_t train(const ContextHistory& history, uint8_t before) {
 }  // namespace
 
 std::vector<uint8_t> train_contexts(const std::vector<const CodedSymbols*>& nodes, std::span<const uint8_t> before) {
-  if (before.empty()) before = default_context_bytes();
-  std::vector<ContextHistory> histories(kContextCount);
+  std::vector<ContextHistory> histories(before.size());
   for (const CodedSymbols* node : nodes) {
     for (const uint16_t symbol : *node) {
       ContextHistory& history = histories[symbol >> 1];
@@ -83,7 +82,7 @@ std::vector<uint8_t> train_contexts(const std::vector<const CodedSymbols*>& node
     }
   }
   std::vector<uint8_t> trained(before.begin(), before.end());
-  for (size_t c = 0; c < kContextCount; ++c) trained[c] = train(histories[c], trained[c]);
+  for (size_t c = 0; c < trained.size(); ++c) trained[c] = train(histories[c], trained[c]);
   return trained;
 }
 

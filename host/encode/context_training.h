@@ -13,7 +13,7 @@
 namespace vitrine {
 
 // The states with which the given nodes would have cost least (probability and speed, per context); contexts that were
-// hardly used keep the state of `before` (or the built-in one, when empty).
+// hardly used keep the state of `before`: one byte a context.
 std::vector<uint8_t> train_contexts(const std::vector<const CodedSymbols*>& nodes, std::span<const uint8_t> before);
 
 }  // namespace vitrine

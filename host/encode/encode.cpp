@@ -76,6 +76,7 @@ double prepare(std::vector<FieldJob>& jobs, double price, double target, Progres
 EncodedField assemble(const FieldJob& job, const FieldPass& pass, double price) {
   EncodedField out;
   out.shape = job.shape;
+  out.coder = job.setting.coder;
   const FieldCoder coder(job.shape, job.textures, job.setting, price);
   for (int level = 0; level < job.shape.pyramid.level_count; ++level) {
     out.level_steps.insert(out.level_steps.end(), coder.steps(level).begin(), coder.steps(level).end());
@@ -151,6 +152,7 @@ std::vector<EncodedField> encode_fields(const std::vector<FieldSource>& fields, 
                                         Progress& progress) {
   if (fields.empty()) return {};
   std::vector<FieldJob> jobs = load_fields(fields, progress);
+  for (FieldJob& job : jobs) job.setting.coder = options.coder;
   const auto price_of = [](double quantizer) { return kPricePerStep2 * quantizer * quantizer; };
   if (options.quantizer <= 0) {
     return encode_to_target(jobs, static_cast<double>(options.target_bytes), price_of(options.finest_quantizer), progress);

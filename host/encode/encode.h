@@ -1,7 +1,7 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 //
-// Coding of fields (Hakura 2001, chapter 4): blocks, adaptive Laplacian pyramids over the parameter axes, the DCT coder, and
-// storage by equal slopes.
+// Coding of fields (Hakura 2001, chapter 4): blocks, adaptive Laplacian pyramids over the parameter axes, the coders of their
+// nodes, and storage by equal slopes.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "formats/block.h"
+#include "formats/node_coder.h"
 #include "host/base/progress.h"
 
 namespace vitrine {
@@ -30,8 +31,9 @@ struct FieldSource {
 
 struct EncodedField {
   FieldShape shape;
+  NodeCoder coder = NodeCoder::kDct;
   std::vector<uint16_t> level_steps;             // 3 per level: Y, Co, Cg, in 1/8 code
-  std::vector<uint8_t> contexts;                 // initial states, kContextBytesPerLevel per level
+  std::vector<uint8_t> contexts;                 // initial states, context_bytes_per_level each
   std::vector<uint8_t> nodes;                    // all coded nodes in node order
   std::vector<uint32_t> node_bytes, node_units;  // per node; both 0 for cells off the grid
   double squared_error = 0;  // sum over leaves and texels of importance * mean squared error of the R, G, B codes
@@ -39,6 +41,7 @@ struct EncodedField {
 };
 
 struct EncodeOptions {
+  NodeCoder coder = NodeCoder::kDct;
   // Of all fields together (EncodedField::bytes): met from below, within 1 % where the signal has that much to say.
   uint64_t target_bytes = 0;
   // No target makes the base step finer than this (below): about one 8-bit level, an error

@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "host/encode/block_kernels.h"
+#include "host/encode/spiht_encoder.h"
 
 namespace vitrine {
 namespace {
@@ -32,9 +33,10 @@ void for_each_sample(const ParameterSpace& space, const FieldShape::Box& box, co
   }
 }
 
-NodeEncoder& thread_encoder() {
-  thread_local NodeEncoder encoder;
-  return encoder;
+NodeCode encode_node(NodeCoder coder, const NodeTask& task, CodedSymbols* symbols) {
+  thread_local NodeEncoder dct;
+  thread_local SpihtEncoder spiht;
+  return coder == NodeCoder::kSpiht ? spiht.encode(task, symbols) : dct.encode(task, symbols);
 }
 
 // Mean of a cell's leaves, rounded.
@@ -160,7 +162,7 @@ NodeCode FieldCoder::encode_cell(const Cell& cell, int block, int level, const s
   task.cell_weights = textures_.weights_of(block).cell_importance;
   if (!setting_.contexts.empty()) task.contexts = setting_.contexts[static_cast<size_t>(level)];
   task.thorough = level == 0;
-  return thread_encoder().encode(task, symbols);
+  return encode_node(setting_.coder, task, symbols);
 }
 
 double FieldCoder::squared_error(const CodedPlanes& rest, const std::vector<float>& importance) const {

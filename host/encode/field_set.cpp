@@ -118,7 +118,8 @@ std::vector<FieldJob> load_fields(const std::vector<FieldSource>& fields, Progre
 }
 
 double table_bytes(const FieldJob& job) {
-  return 8.0 * job.shape.node_count() + 1.0 * kContextBytesPerLevel * job.shape.pyramid.level_count;
+  return 8.0 * job.shape.node_count() +
+         1.0 * static_cast<double>(context_bytes_per_level(job.setting.coder)) * job.shape.pyramid.level_count;
 }
 
 Pass encode_pass(const std::vector<FieldJob>& jobs, double price, bool preview, Progress& progress) {
@@ -163,6 +164,10 @@ void train_contexts(std::vector<FieldJob>& jobs, const Pass& pass) {
       for (const CodedSymbols& node : block.symbols[tasks[t].level]) nodes.push_back(&node);
     }
     std::vector<uint8_t>& contexts = jobs[tasks[t].field].setting.contexts[tasks[t].level];
+    if (contexts.empty()) {
+      const auto built_in = default_context_bytes(jobs[tasks[t].field].setting.coder);
+      contexts.assign(built_in.begin(), built_in.end());
+    }
     contexts = train_contexts(nodes, contexts);
   });
 }

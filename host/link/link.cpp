@@ -148,7 +148,7 @@ class Linker {
     out->axes = field.axes;
     add_texture(field, *out);
     add_shape(encoded.shape, *out);
-    out->coder = fb::NodeCoder::dct;
+    out->coder = static_cast<fb::NodeCoder>(encoded.coder);
     out->level_steps = encoded.level_steps;
     out->nodes = add_section(fb::SectionKind::nodes, as_bytes(encoded.nodes));
     out->contexts = add_section(fb::SectionKind::contexts, as_bytes(encoded.contexts));

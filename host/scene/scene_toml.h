@@ -22,7 +22,7 @@
 //     lights = [["node"], ["node", "node"], []]                 which emitters shine at each value (discrete)
 //     lamp = { target, radius, elevation, from, to, size, color, strength }   a luminous ball that travels on an arc
 //   [[object]] node, representation ("texture"), resolution_scale
-//   [target] profile, storage, interpolate, between, smoothing, exposure
+//   [target] profile, storage, codec ("dct", "spiht"), interpolate, between, smoothing, exposure
 #pragma once
 
 #include <filesystem>
