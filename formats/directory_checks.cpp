@@ -7,8 +7,9 @@
 #include "formats/context_changes.h"
 #include "formats/image.h"
 #include "formats/mesh.h"
-#include "formats/node_coding.h"
+#include "formats/node_coder.h"
 #include "formats/rig.h"
+#include "formats/spiht_coding.h"
 #include "formats/text.h"
 
 namespace vitrine {
@@ -253,6 +254,8 @@ class ObjectChecker {
       return malformed("a field's texture has an impossible size");
     // A composed texture with its MIP levels (4/3 of the finest) on both sides of the upload, in half floats, RGBA; and a byte.
     memory_ += (2 * 8 * 4 / 3 + 1) * width * height;
+    if (field.coder() == fb::NodeCoder::spiht)
+      memory_ += kNodesInDecoding * sizeof(uint16_t) * spiht_scratch_words(static_cast<int>(width), static_cast<int>(height));
     return {};
   }
 
@@ -300,9 +303,10 @@ class ObjectChecker {
   }
 
   static Status check_contexts(const fb::Field& field) {
-    std::array<uint8_t, kMaxLevels * kContextBytesPerLevel> contexts;
+    std::array<uint8_t, kMaxLevels * kMostContexts> contexts;
     const size_t levels = field.level_steps()->size() / 3;
-    return expand_contexts(context_changes_of(field), std::span(contexts).first(levels * kContextBytesPerLevel));
+    const std::span<const uint8_t> built_in = default_context_bytes(static_cast<NodeCoder>(field.coder()));
+    return expand_contexts(context_changes_of(field), built_in, std::span(contexts).first(levels * built_in.size()));
   }
 
   Status check_nodes(const fb::Field& field) {

@@ -26,6 +26,9 @@ inline constexpr uint32_t kImageVersion = 1;  // written; the engine reads exact
 inline constexpr uint32_t kOldestImageVersion = 1;
 inline constexpr size_t kSectionAlignment = 64;
 
+// Nodes that an engine may hold half decoded at a time: what it needs scratch memory for.
+inline constexpr size_t kNodesInDecoding = 16;
+
 // Limits of one image; a reader refuses more (formats/SPEC.md gives the reasons).
 inline constexpr uint32_t kMaxObjects = 4096, kMaxRigNodes = 65536, kMaxTextureSize = 8192, kMaxVertices = 1u << 24;
 namespace limits {

@@ -46,7 +46,9 @@ Result<std::unique_ptr<Engine>> Engine::load(const ImageView& image, hal::Gpu& g
   state->lay_out(arena);
   if (arena.failed()) return Status{StatusCode::kOutOfMemory, "the engine's block is too small for the image"};
   for (FieldState& field : state->fields)
-    if (Status status = expand_contexts(context_changes_of(*field.field), field.contexts); !status.ok()) return status;
+    if (Status status = expand_contexts(context_changes_of(*field.field), default_context_bytes(field.coder()), field.contexts);
+        !status.ok())
+      return status;
   state->gpu = &gpu;
   if (Status status = state->create_drawer(); !status.ok()) return status;
   if (Status status = state->create_objects(); !status.ok()) return status;

@@ -45,12 +45,16 @@ NodeDesc FieldState::desc_of(uint32_t node) const {
   desc.width = width;
   desc.height = height;
   for (uint32_t p = 0; p < 3; ++p) desc.steps[p] = field->level_steps()->Get(3 * level + p);
-  desc.contexts = contexts.subspan(level * kContextBytesPerLevel, kContextBytesPerLevel);
+  const size_t of_coder = context_bytes_per_level(coder());
+  desc.contexts = contexts.subspan(level * of_coder, of_coder);
   desc.units = field->node_units()->Get(node);
   return desc;
 }
 
-int FieldState::tile_count() const { return ((width + kTileSize - 1) / kTileSize) * ((height + kTileSize - 1) / kTileSize); }
+int FieldState::step_count() const {
+  if (coder() == NodeCoder::kSpiht) return 1;
+  return ((width + kTileSize - 1) / kTileSize) * ((height + kTileSize - 1) / kTileSize);
+}
 
 bool FieldState::shows(const ShownField& shown, uint32_t node) const {
   const int level = shape.level_of(static_cast<int>(node));
@@ -120,8 +124,8 @@ void take_node_tables(FieldState& field, Arena& arena) {
   const auto& bytes = *field.field->node_bytes();
   field.offset = arena.take<uint64_t>(bytes.size());
   field.slot = arena.take<int32_t>(bytes.size());
-  field.contexts =
-      arena.take_uninitialized<uint8_t>(static_cast<size_t>(field.shape.pyramid.level_count) * kContextBytesPerLevel);
+  field.contexts = arena.take_uninitialized<uint8_t>(static_cast<size_t>(field.shape.pyramid.level_count) *
+                                                     context_bytes_per_level(field.coder()));
   if (field.slot.empty()) return;
   uint64_t offset = 0;
   for (uint32_t node = 0; node < bytes.size(); ++node) {

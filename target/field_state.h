@@ -9,6 +9,7 @@
 #include <span>
 
 #include "formats/image.h"
+#include "formats/node_coder.h"
 #include "hal/gpu.h"
 #include "target/arena.h"
 #include "target/decode/node_decoder.h"
@@ -61,7 +62,8 @@ struct FieldState {
   size_t texels() const { return static_cast<size_t>(width) * static_cast<size_t>(height); }
   std::span<const std::byte> bytes_of(uint32_t node) const { return coded.subspan(offset[node], field->node_bytes()->Get(node)); }
   NodeDesc desc_of(uint32_t node) const;
-  int tile_count() const;
+  NodeCoder coder() const { return static_cast<NodeCoder>(field->coder()); }
+  int step_count() const;  // of decoding a node, at least: tiles of the DCT coder
   bool shows(const ShownField& shown, uint32_t node) const;
   // Nodes that shown samples need and that are neither decoded nor given up.
   int64_t missing(const ShownField& shown, std::span<const uint8_t> slot_ready) const;

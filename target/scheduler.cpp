@@ -8,8 +8,6 @@
 namespace vitrine {
 namespace {
 
-// Nodes that may stand half decoded at a time: more than deadlines that differ among urgent nodes; about 6 KB each.
-constexpr size_t kWorks = 16;
 constexpr uint64_t kUnlimited = std::numeric_limits<uint64_t>::max();
 
 bool is_ready(const FieldState& field, const NodePool& pool, uint32_t node) {
@@ -17,9 +15,9 @@ bool is_ready(const FieldState& field, const NodePool& pool, uint32_t node) {
   return where == kAllZero || where == kDamaged || (where >= 0 && pool.ready[static_cast<size_t>(where)]);
 }
 
-// What a tile costs is known only when it is decoded. The costliest so far stands for the next; to begin with, twice what a
-// full tile of the dearest node costs if its cost is spread evenly.
-uint64_t first_tile_guess(std::span<const FieldState> fields) {
+// What a step of a decoder costs is known only when it is done. The costliest so far stands for the next; to begin with, twice
+// what a full tile of the dearest node costs if its cost is spread evenly.
+uint64_t first_step_guess(std::span<const FieldState> fields) {
   uint64_t guess = 1;
   for (const FieldState& field : fields)
     for (const uint64_t units : *field.field->node_units())
@@ -31,7 +29,7 @@ uint64_t first_tile_guess(std::span<const FieldState> fields) {
 
 void Scheduler::lay_out(std::span<const FieldState> fields, uint64_t units_budget, Arena& arena) {
   units_budget_ = units_budget;
-  largest_tile_ = first_tile_guess(fields);
+  largest_step_ = first_step_guess(fields);
   uint64_t jobs = 0;
   size_t cells = 1;
   for (const FieldState& field : fields) {
@@ -40,8 +38,19 @@ void Scheduler::lay_out(std::span<const FieldState> fields, uint64_t units_budge
     cells = std::max(cells, most_cells(field));
   }
   jobs_ = arena.take<Job>(jobs);
-  works_ = arena.take<Work>(kWorks);
+  works_ = arena.take<Work>(kNodesInDecoding);  // more than deadlines that differ among urgent nodes; about 9 KB each
+  take_scratch(fields, arena);
   for (auto& of_axis : cells_) of_axis = arena.take<WantedCell>(cells);
+}
+
+// Each piece of work may be on a node of any field.
+void Scheduler::take_scratch(std::span<const FieldState> fields, Arena& arena) {
+  size_t words = 0;
+  for (const FieldState& field : fields)
+    if (field.coder() == NodeCoder::kSpiht) words = std::max(words, spiht_scratch_words(field.width, field.height));
+  const std::span<uint16_t> all = arena.take_uninitialized<uint16_t>(kNodesInDecoding * words);
+  for (size_t w = 0; w < works_.size(); ++w)
+    if (!all.empty()) works_[w].scratch = all.subspan(w * words, words);
 }
 
 bool Scheduler::later(const Job& a, const Job& b) {
@@ -131,10 +140,10 @@ DecodeResult Scheduler::run(std::span<FieldState> fields, NodeCache& cache, cons
   return result;
 }
 
-// No tile can cost more than what the node has left, but for the least that each further tile costs.
-uint64_t Scheduler::next_tile_bound(const Work& work) const {
-  const uint64_t others = kUnitsPerTile * static_cast<uint64_t>(std::max(work.tiles_left - 1, 0));
-  return std::min(largest_tile_, work.units_left > others ? work.units_left - others : 1);
+// No step can cost more than what the node has left, but for the least that each further one costs.
+uint64_t Scheduler::next_step_bound(const Work& work) const {
+  const uint64_t others = kUnitsPerTile * static_cast<uint64_t>(std::max(work.steps_left - 1, 0));
+  return std::min(largest_step_, work.units_left > others ? work.units_left - others : 1);
 }
 
 Scheduler::Outcome Scheduler::run_job(std::span<FieldState> fields, NodeCache& cache, const Viewpoint& viewpoint, const Job& job,
@@ -143,7 +152,7 @@ Scheduler::Outcome Scheduler::run_job(std::span<FieldState> fields, NodeCache& c
   if (!work) return result.damaged += fields[job.field].slot[job.node] == kDamaged, Outcome::kNoRoom;
   while (!work->decoder.done()) {
     // At least one tile a frame, so that a budget below any tile does not stop everything for ever.
-    if (result.units > 0 && next_tile_bound(*work) > budget - std::min(budget, result.units)) return Outcome::kOutOfUnits;
+    if (result.units > 0 && next_step_bound(*work) > budget - std::min(budget, result.units)) return Outcome::kOutOfUnits;
     const Result<uint64_t> step = work->decoder.step(1);
     if (!step.ok()) {
       cache.release(fields, job.field, job.node, kDamaged);
@@ -153,8 +162,8 @@ Scheduler::Outcome Scheduler::run_job(std::span<FieldState> fields, NodeCache& c
     }
     result.units += step.value();
     work->units_left -= std::min(work->units_left, step.value());
-    --work->tiles_left;
-    largest_tile_ = std::max(largest_tile_, step.value());
+    --work->steps_left;
+    largest_step_ = std::max(largest_step_, step.value());
   }
   cache.pool_of(fields[job.field]).ready[static_cast<size_t>(work->slot)] = 1;
   work->used = false;
@@ -173,14 +182,15 @@ Scheduler::Work* Scheduler::find_work(std::span<FieldState> fields, NodeCache& c
   Work& work = free_work(fields, cache);
   const NodeDesc desc = field.desc_of(job.node);
   // A description that the decoder refuses leaves it done, and the first look at it finds the node damaged.
-  const Status started = work.decoder.start(desc, field.bytes_of(job.node), cache.pool_of(field).planes_of(slot));
+  const Status started =
+      work.decoder.start(field.coder(), desc, field.bytes_of(job.node), cache.pool_of(field).planes_of(slot), work.scratch);
   if (!started.ok()) return cache.release(fields, job.field, job.node, kDamaged), nullptr;
   work.field = job.field;
   work.node = job.node;
   work.frames = job.frames;
   work.slot = slot;
   work.units_left = desc.units;
-  work.tiles_left = field.tile_count();
+  work.steps_left = field.step_count();
   work.used = true;
   return &work;
 }

@@ -8,7 +8,7 @@
 #include <span>
 
 #include "target/arena.h"
-#include "target/decode/node_decoder.h"
+#include "target/decode/any_node_decoder.h"
 #include "target/field_state.h"
 #include "target/node_cache.h"
 
@@ -36,15 +36,17 @@ class Scheduler {
   };
   // A node that is being decoded.
   struct Work {
-    NodeDecoder decoder;
+    AnyNodeDecoder decoder;
+    std::span<uint16_t> scratch;
     uint32_t field = 0, node = 0, frames = 0;
     int32_t slot = kNotResident;
     uint64_t units_left = 0;
-    int tiles_left = 0;
+    int steps_left = 0;  // at least
     bool used = false;
   };
   enum class Outcome { kDone, kOutOfUnits, kNoRoom };
 
+  void take_scratch(std::span<const FieldState> fields, Arena& arena);
   static bool later(const Job& a, const Job& b);
   void gather_field(const FieldState& field, const NodeCache& cache, const Viewpoint& viewpoint, uint32_t index);
   void gather_level(const FieldState& field, const NodePool& pool, uint32_t index, int level,
@@ -56,9 +58,9 @@ class Scheduler {
   Work* find_work(std::span<FieldState> fields, NodeCache& cache, const Viewpoint& viewpoint, const Job& job);
   Work& free_work(std::span<FieldState> fields, NodeCache& cache);
   void drop_evicted_work(std::span<const FieldState> fields);
-  uint64_t next_tile_bound(const Work& work) const;
+  uint64_t next_step_bound(const Work& work) const;
 
-  uint64_t units_budget_ = 0, largest_tile_ = 0;
+  uint64_t units_budget_ = 0, largest_step_ = 0;
   std::span<Job> jobs_;  // a heap, the most urgent on top
   size_t job_count_ = 0;
   std::span<Work> works_;

@@ -24,7 +24,7 @@ CodedPlanes decoded(const NodePicture& node) {
 
 std::vector<uint8_t> contexts_of(const fb::Field& field) {
   std::vector<uint8_t> contexts(field.level_steps()->size() / 3 * kContextBytesPerLevel);
-  const Status status = expand_contexts(context_changes_of(field), contexts);
+  const Status status = expand_contexts(context_changes_of(field), default_context_bytes(), contexts);
   if (!status.ok()) throw InputError("the image", status.detail(), "compile it again");
   return contexts;
 }

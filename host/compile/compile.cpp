@@ -153,8 +153,11 @@ BuiltImage build_image(const Scene& scene, const Inference& inference, const Sto
   std::vector<FieldSource> sources;
   for (size_t f = 0; f < inference.fields.size(); ++f)
     sources.push_back(field_source(scene, inference, static_cast<int>(f), store));
-  const std::vector<EncodedField> encoded = encode_fields(
-      sources, {.worst_object = static_cast<double>(scene.settings.worst_object), .target_bytes = field_bytes}, progress);
+  const std::vector<EncodedField> encoded = encode_fields(sources,
+                                                          {.coder = scene.settings.codec,
+                                                           .worst_object = static_cast<double>(scene.settings.worst_object),
+                                                           .target_bytes = field_bytes},
+                                                          progress);
 
   std::vector<PlannedField> planned;
   for (size_t f = 0; f < encoded.size(); ++f)

@@ -73,8 +73,7 @@ uint8_t train(const ContextHistory& history, uint8_t before, double change_bits)
 
 std::vector<uint8_t> train_contexts(const std::vector<const CodedSymbols*>& nodes, std::span<const uint8_t> before,
                                     double share) {
-  if (before.empty()) before = default_context_bytes();
-  std::vector<ContextHistory> histories(kContextCount);
+  std::vector<ContextHistory> histories(before.size());
   for (const CodedSymbols* node : nodes) {
     for (const uint16_t symbol : *node) {
       ContextHistory& history = histories[symbol >> 1];
@@ -85,7 +84,7 @@ std::vector<uint8_t> train_contexts(const std::vector<const CodedSymbols*>& node
     }
   }
   std::vector<uint8_t> trained(before.begin(), before.end());
-  for (size_t c = 0; c < kContextCount; ++c) trained[c] = train(histories[c], trained[c], kChangeBits * share);
+  for (size_t c = 0; c < trained.size(); ++c) trained[c] = train(histories[c], trained[c], kChangeBits * share);
   return trained;
 }
 

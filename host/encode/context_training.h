@@ -13,8 +13,9 @@
 namespace vitrine {
 
 // The states with which the given nodes would have cost least (probability and speed, per context). A context keeps the state
-// of `before` (the built-in one, when empty) unless another saves more than a change takes in the image
-// (formats/context_changes.h). `share`: of all nodes that will be coded with these states, how much is given.
+// of `before` unless another saves more than a change takes in the image
+// (formats/context_changes.h). `before`: a byte a context. `share`: of all nodes that will be coded with these states, how much
+// is given.
 std::vector<uint8_t> train_contexts(const std::vector<const CodedSymbols*>& nodes, std::span<const uint8_t> before, double share);
 
 }  // namespace vitrine

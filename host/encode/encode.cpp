@@ -65,6 +65,7 @@ void choose_exponents(std::vector<FieldJob>& jobs, double price, Progress& progr
 EncodedField assemble(const FieldJob& job, const FieldPass& pass, double price) {
   EncodedField out;
   out.shape = job.shape;
+  out.coder = job.setting.coder;
   const FieldCoder coder(job.shape, job.textures, job.setting, job.own(price));
   for (int level = 0; level < job.shape.pyramid.level_count; ++level) {
     out.level_steps.insert(out.level_steps.end(), coder.steps(level).begin(), coder.steps(level).end());
@@ -200,6 +201,7 @@ std::vector<EncodedField> encode_fields(const std::vector<FieldSource>& fields, 
                                         Progress& progress) {
   if (fields.empty()) return {};
   std::vector<FieldJob> jobs = load_fields(fields, progress);
+  for (FieldJob& job : jobs) job.setting.coder = options.coder;
   Encoding encoding(jobs, options, progress);
   const auto price_of = [](double quantizer) { return kPricePerStep2 * quantizer * quantizer; };
   if (options.quantizer > 0) return encoding.at_price(price_of(options.quantizer));

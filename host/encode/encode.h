@@ -1,7 +1,7 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 //
-// Coding of fields (Hakura 2001, chapter 4): blocks, adaptive pyramids over the parameter axes, the DCT coder, and
-// storage by equal slopes.
+// Coding of fields (Hakura 2001, chapter 4): blocks, adaptive pyramids over the parameter axes, the coders of their
+// nodes, and storage by equal slopes.
 #pragma once
 
 #include <cstdint>
@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "formats/block.h"
+#include "formats/node_coder.h"
 #include "host/base/progress.h"
 
 namespace vitrine {
@@ -32,8 +33,9 @@ struct FieldSource {
 
 struct EncodedField {
   FieldShape shape;
+  NodeCoder coder = NodeCoder::kDct;
   std::vector<uint16_t> level_steps;             // 3 per level: Y, Co, Cg, in 1/8 code
-  std::vector<uint8_t> contexts;                 // initial states, kContextBytesPerLevel per level
+  std::vector<uint8_t> contexts;                 // initial states, context_bytes_per_level each
   std::vector<uint8_t> nodes;                    // all coded nodes in node order
   std::vector<uint32_t> node_bytes, node_units;  // per node; both 0 for cells off the grid
   double squared_error = 0;  // sum over leaves and texels of importance * mean squared error of the R, G, B codes
@@ -49,10 +51,10 @@ enum class PyramidKind {
 };
 
 struct EncodeOptions {
+  NodeCoder coder = NodeCoder::kDct;
   PyramidKind pyramid = PyramidKind::kBest;
   // No object's mean squared error may be more than so many times that of all objects together (>= 1); 0: no such constraint.
   double worst_object = 0;
-
   // Of all fields together (EncodedField::bytes): met from below, within 1 % where the signal has that much to say.
   uint64_t target_bytes = 0;
   // No target makes the base step finer than this (below): about one 8-bit level, an error

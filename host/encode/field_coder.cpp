@@ -9,6 +9,7 @@
 
 #include "host/encode/block_cells.h"
 #include "host/encode/block_kernels.h"
+#include "host/encode/spiht_encoder.h"
 
 namespace vitrine {
 namespace {
@@ -16,9 +17,10 @@ namespace {
 constexpr double kImportanceFloor = 0.02;  // of the mean
 constexpr int kRecordedNodes = 24;         // per level and block, for the training of contexts
 
-NodeEncoder& thread_encoder() {
-  thread_local NodeEncoder encoder;
-  return encoder;
+NodeCode encode_node(NodeCoder coder, const NodeTask& task, CodedSymbols* symbols) {
+  thread_local NodeEncoder dct;
+  thread_local SpihtEncoder spiht;
+  return coder == NodeCoder::kSpiht ? spiht.encode(task, symbols) : dct.encode(task, symbols);
 }
 
 std::vector<float> cell_means(const std::vector<float>& importance, int width, int height, double samples_shown, double floor) {
@@ -86,7 +88,7 @@ NodeCode FieldCoder::encode_cell(const BlockCell& cell, int block, int level, co
   task.cell_weights = textures_.weights_of(block).cell_importance;
   if (!setting_.contexts.empty()) task.contexts = setting_.contexts[static_cast<size_t>(level)];
   task.thorough = level == 0;
-  return thread_encoder().encode(task, symbols);
+  return encode_node(setting_.coder, task, symbols);
 }
 
 double FieldCoder::squared_error(const CodedPlanes& rest, const std::vector<float>& importance) const {

@@ -48,6 +48,7 @@ void weigh_texels(const std::vector<std::vector<float>>& importance, double samp
 
 // How a field is coded.
 struct FieldSetting {
+  NodeCoder coder = NodeCoder::kDct;
   PyramidShape pyramid;
   // A level whose cells hold n samples gets steps in proportion to n^(-exponent / 2): 1 would be right if no finer level
   // mended its errors.

@@ -122,7 +122,8 @@ std::vector<FieldJob> load_fields(const std::vector<FieldSource>& fields, Progre
 double table_bytes(const FieldJob& job) {
   std::vector<uint8_t> contexts;
   for (const auto& of_level : job.setting.contexts) contexts.insert(contexts.end(), of_level.begin(), of_level.end());
-  return kNodeTableBytes * job.shape.node_count() + static_cast<double>(context_changes(contexts).size());
+  return kNodeTableBytes * job.shape.node_count() +
+         static_cast<double>(context_changes(contexts, default_context_bytes(job.setting.coder)).size());
 }
 
 Pass encode_pass(const std::vector<FieldJob>& jobs, double price, bool preview, Progress& progress) {
@@ -166,7 +167,8 @@ void train_contexts(std::vector<FieldJob>& jobs, const Pass& pass) {
       }
       const double share =
           static_cast<double>(nodes.size()) / static_cast<double>(std::max<size_t>(coded, 1)) * pass.fields[f].share;
-      contexts[level] = train_contexts(nodes, level > 0 ? contexts[level - 1] : std::span<const uint8_t>(), share);
+      contexts[level] =
+          train_contexts(nodes, level > 0 ? contexts[level - 1] : default_context_bytes(jobs[f].setting.coder), share);
     }
   });
 }

@@ -48,7 +48,20 @@ class RangeEncoder {
     if (out_.size() == start_) out_.push_back(0);
   }
 
+  // Ends with the fewest bytes after which no byte can change a symbol (target/decode/embedded_range_decoder.h).
+  void finish_embedded() {
+    int bits = 32;
+    while (bits > 0 && interval_start(bits) + ((uint64_t{1} << bits) - 1) - low_ >= range_) bits -= 8;
+    low_ = interval_start(bits);
+    for (int i = 0; i < 5 - bits / 8; ++i) shift_low();
+  }
+
  private:
+  // The least multiple of 2^bits that is not below low_.
+  uint64_t interval_start(int bits) const {
+    const uint64_t mask = (uint64_t{1} << bits) - 1;
+    return (low_ + mask) & ~mask;
+  }
   void normalize() {
     while (range_ < (1u << 24)) {
       range_ <<= 8;

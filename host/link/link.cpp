@@ -153,10 +153,10 @@ class Linker {
     out->axes = field.axes;
     add_texture(field, *out);
     add_shape(encoded.shape, *out);
-    out->coder = fb::NodeCoder::dct;
+    out->coder = static_cast<fb::NodeCoder>(encoded.coder);
     out->level_steps = encoded.level_steps;
     out->nodes = add_section(fb::SectionKind::nodes, as_bytes(encoded.nodes));
-    out->contexts = context_changes(encoded.contexts);
+    out->contexts = context_changes(encoded.contexts, default_context_bytes(encoded.coder));
     out->node_bytes = encoded.node_bytes;
     out->node_units = encoded.node_units;
     return out;

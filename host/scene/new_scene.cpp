@@ -74,6 +74,7 @@ max_speed = 0.05
 [target]                              # what the result plays on
 profile = "kiosk-60"                  # a small machine at 60 frames a second; or the path of a profile file
 storage = "100:1"                     # a ratio to all pictures as plain pixels; or "150 KB/block", or "12 MB" in all
+codec = "dct"                         # how textures are coded: "dct" decodes fastest; "spiht" is embedded
 worst_object = 4                      # no object's coding error may be more than so many times that of the whole picture
 interpolate = false                   # true: blends the pictures around a position of the dials
 between = false                       # true: traces twice as many pictures, and shows better what lies between two of them

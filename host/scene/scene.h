@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "formats/node_coder.h"
 #include "formats/parameter_space.h"
 #include "formats/rig.h"
 
@@ -155,6 +156,7 @@ struct Settings {
   float exposure = 1;
   std::string profile = "kiosk-60";
   std::string storage = "100:1";  // "150 KB/block", "384:1" or "12 MB"
+  NodeCoder codec = NodeCoder::kDct;  // [target] codec: of the textures
   float max_radiance = 0;         // firefly clamp of one path's indirect contribution; 0: none
   bool caustics = false;          // light is refracted on its way to what it lights, instead of going straight through glass
 };

@@ -30,7 +30,9 @@ fs::path toml_file_of(const fs::path& scene) {
   std::error_code error;
   if (!fs::exists(scene, error)) throw InputError(shown(scene), "there is no such scene", "make one with: vitrine new DIR");
   if (!fs::is_directory(scene, error)) {
-    if (is_model(scene)) throw InputError(shown(scene), "this is a model, not a scene", "make a scene of it with: vitrine new DIR --from " + shown(scene));
+    if (is_model(scene))
+      throw InputError(shown(scene), "this is a model, not a scene",
+                       "make a scene of it with: vitrine new DIR --from " + shown(scene));
     return scene;
   }
   if (!fs::exists(scene / "scene.toml", error))
@@ -159,13 +161,21 @@ void check_storage(const TomlView& view, const std::string& storage) {
               "write a size per block (\"150 KB/block\"), a ratio (\"384:1\") or a size in all (\"12 MB\")");
 }
 
+NodeCoder read_codec(const TomlView& view) {
+  const std::string name = view.text("codec", "dct");
+  if (name != "dct" && name != "spiht")
+    view.fail("\"codec\" is " + in_quotes(name), "write \"dct\" (decodes fastest) or \"spiht\" (may be cut off anywhere)");
+  return name == "spiht" ? NodeCoder::kSpiht : NodeCoder::kDct;
+}
+
 void read_target(const TomlView& view, const fs::path& folder, Settings& settings) {
-  view.allow({"profile", "storage", "interpolate", "between", "smoothing", "exposure", "worst_object"});
+  view.allow({"profile", "storage", "codec", "interpolate", "between", "smoothing", "exposure", "worst_object"});
   settings.profile = view.text("profile", settings.profile);
   std::error_code error;
   if (fs::is_regular_file(folder / settings.profile, error)) settings.profile = (folder / settings.profile).string();
   settings.storage = view.text("storage", settings.storage);
   check_storage(view, settings.storage);
+  settings.codec = read_codec(view);
   settings.interpolate = view.boolean("interpolate", settings.interpolate);
   settings.between = view.boolean("between", settings.between);
   settings.worst_object = static_cast<float>(view.number("worst_object", settings.worst_object, 1, 1e6));
@@ -219,8 +229,8 @@ SceneDescription read_scene_description(const fs::path& path) {
   scene.folder = scene.file.has_parent_path() ? scene.file.parent_path() : fs::path(".");
   const toml::table table = parse(scene.file);
   const TomlView view(table, shown(scene.file));
-  view.allow({"scene", "environment", "environment_rotation", "background", "resolution", "samples_per_pixel", "noise", "max_radiance", "caustics",
-              "camera", "exposure", "axis", "object", "target"});
+  view.allow({"scene", "environment", "environment_rotation", "background", "resolution", "samples_per_pixel", "noise",
+              "max_radiance", "caustics", "camera", "exposure", "axis", "object", "target"});
   if (!view.has("scene")) view.fail("it does not name the model", "write scene = \"model.glb\"");
   scene.model = scene.folder / view.text("scene", "");
   read_environment(view, scene);

@@ -22,7 +22,7 @@
 //     lights = [["node"], ["node", "node"], []]                 which emitters shine at each value (discrete)
 //     lamp = { target, radius, elevation, from, to, size, color, strength }   a luminous ball that travels on an arc
 //   [[object]] node, representation ("texture"), resolution_scale, weight
-//   [target] profile, storage, interpolate, between, smoothing, worst_object, exposure
+//   [target] profile, storage, codec ("dct", "spiht"), interpolate, between, smoothing, worst_object, exposure
 #pragma once
 
 #include <filesystem>

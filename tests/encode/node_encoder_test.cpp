@@ -182,7 +182,7 @@ TEST(ContextTraining, TrainedStatesMakeSmallNodesSmaller) {
   for (size_t i = 0; i < 6; ++i) before += encoder.encode(task_of(textures[i], 96, 64, 60), &symbols[i]).bytes.size();
   std::vector<const CodedSymbols*> nodes;
   for (const CodedSymbols& s : symbols) nodes.push_back(&s);
-  const std::vector<uint8_t> contexts = train_contexts(nodes, {}, 1);
+  const std::vector<uint8_t> contexts = train_contexts(nodes, default_context_bytes(), 1);
   ASSERT_EQ(contexts.size(), static_cast<size_t>(kContextBytesPerLevel));
   for (size_t i = 0; i < 6; ++i) {
     NodeTask task = task_of(textures[i], 96, 64, 60);

@@ -302,7 +302,7 @@ const Defect kDefects[] = {
     {"BlockMapOfNoBlock", [](TestImage& i) { field_of(i).block_maps.push_back(0); }},
     {"BlockMapThatDoesNotExist", [](TestImage& i) { field_of(i).block_maps[3] = 2; }},
     {"BlockMapFarBeyond", [](TestImage& i) { field_of(i).block_maps.back() = 65535; }},
-    {"FieldCoderUnknown", [](TestImage& i) { field_of(i).coder = static_cast<fb::NodeCoder>(1); }, StatusCode::kUnsupported},
+    {"FieldCoderUnknown", [](TestImage& i) { field_of(i).coder = static_cast<fb::NodeCoder>(2); }, StatusCode::kUnsupported},
     {"BlockSizePerAxisMissing", [](TestImage& i) { field_of(i).block_size.pop_back(); }},
     {"BlockSizeNotAPowerOfTwo", [](TestImage& i) { field_of(i).block_size[0] = 6; }},
     {"BlockSizeZero", [](TestImage& i) { field_of(i).block_size[0] = 0; }},

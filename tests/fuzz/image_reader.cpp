@@ -59,8 +59,9 @@ void decode(const FieldState& field, uint32_t node, uint64_t offset, uint32_t si
 
 void read_field(const ImageView& image, const fb::Field& coded) {
   FieldState field = describe_field(image, coded, {});
-  std::vector<uint8_t> contexts(static_cast<size_t>(field.shape.pyramid.level_count) * kContextBytesPerLevel);
-  if (!expand_contexts(context_changes_of(coded), contexts).ok()) std::abort();  // an open image has good ones
+  const std::span<const uint8_t> built_in = default_context_bytes(field.coder());
+  std::vector<uint8_t> contexts(static_cast<size_t>(field.shape.pyramid.level_count) * built_in.size());
+  if (!expand_contexts(context_changes_of(coded), built_in, contexts).ok()) std::abort();  // an open image has good ones
   field.contexts = contexts;
   for (int block = 0; block < field.shape.block_count(); ++block) (void)image.map_of(coded, block);
   for (int64_t sample = 0; sample < std::min<int64_t>(field.shape.space.sample_count(), 4096); ++sample) {

@@ -186,7 +186,7 @@ TEST(Link, TheImageHoldsWhatTheStagesMade) {
     ASSERT_EQ(nodes.size(), encoded.nodes.size());
     EXPECT_EQ(std::memcmp(nodes.data(), encoded.nodes.data(), nodes.size()), 0);
     std::vector<uint8_t> contexts(encoded.contexts.size());
-    ASSERT_TRUE(expand_contexts(context_changes_of(*field), contexts).ok());
+    ASSERT_TRUE(expand_contexts(context_changes_of(*field), default_context_bytes(), contexts).ok());
     EXPECT_EQ(contexts, encoded.contexts);
     for (uint32_t n = 0; n < encoded.node_bytes.size(); ++n) EXPECT_EQ(field->node_bytes()->Get(n), encoded.node_bytes[n]);
   }

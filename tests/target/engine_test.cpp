@@ -167,11 +167,13 @@ TEST_P(EngineStill, IsTheSumOfTheFieldsEachLaidOnByTheMapOfItsBlock) {
   EXPECT_EQ(engine->stats().damaged_nodes, 0);
 }
 
-class EngineTextures : public ::testing::TestWithParam<bool> {};
-INSTANTIATE_TEST_SUITE_P(, EngineTextures, ::testing::Bool());
+class EngineTextures : public ::testing::TestWithParam<std::tuple<bool, NodeCoder>> {};
+INSTANTIATE_TEST_SUITE_P(, EngineTextures,
+                         ::testing::Combine(::testing::Bool(), ::testing::Values(NodeCoder::kDct, NodeCoder::kSpiht)));
 
 TEST_P(EngineTextures, TexturesAreExactToTheBitAllAlongAPathWithTheSmallestCache) {
-  const PlayedImage image({.width = 20, .height = 12, .interpolate = GetParam(), .cache_bytes = 0});
+  const auto [interpolate, coder] = GetParam();
+  const PlayedImage image({.width = 20, .height = 12, .interpolate = interpolate, .cache_bytes = 0, .coder = coder});
   Played<RememberingGpu> played(image, {.unlimited = true});
   Hand hand(7, 0.8f, 16, 8);
   for (int f = 0; f < 150; ++f) {
@@ -187,27 +189,30 @@ TEST_P(EngineTextures, TexturesAreExactToTheBitAllAlongAPathWithTheSmallestCache
   }
 }
 
-TEST(Engine, MotionWithinMaxSpeedIsNeverLateNeverOverAndAllocatesNothing) {
-  for (const bool interpolate : {false, true}) {
-    const PlayedImage image({.interpolate = interpolate, .units_budget = 200000});
-    NullPlayed played(image, {});
-    Hand hand(3, 0.25f, 16, 8);
-    for (int f = 0; f < 8; ++f) played.frame(hand.view, hand.lamp);  // settle
-    const int64_t settling = played.stats().settling_frames;
-    const int64_t before = test::allocations();
-    for (int f = 0; f < 1000; ++f) {
-      hand.move();
-      const Status status = played.engine->frame({hand.view, hand.lamp}, {});
-      ASSERT_TRUE(status.ok());
-    }
-    EXPECT_EQ(test::allocations(), before);
-    EXPECT_EQ(played.stats().late_nodes, 0);
-    EXPECT_EQ(played.stats().overruns, 0);
-    EXPECT_EQ(played.stats().settling_frames, settling);
-    EXPECT_EQ(played.stats().frames, 1008);
-    EXPECT_LE(played.stats().units_max, 200000u);
-    EXPECT_GT(played.stats().units_sum, 0u);
+class EngineMotion : public ::testing::TestWithParam<std::tuple<bool, NodeCoder>> {};
+INSTANTIATE_TEST_SUITE_P(, EngineMotion,
+                         ::testing::Combine(::testing::Bool(), ::testing::Values(NodeCoder::kDct, NodeCoder::kSpiht)));
+
+TEST_P(EngineMotion, WithinMaxSpeedIsNeverLateNeverOverAndAllocatesNothing) {
+  const auto [interpolate, coder] = GetParam();
+  const PlayedImage image({.interpolate = interpolate, .units_budget = 200000, .coder = coder});
+  NullPlayed played(image, {});
+  Hand hand(3, 0.25f, 16, 8);
+  for (int f = 0; f < 8; ++f) played.frame(hand.view, hand.lamp);  // settle
+  const int64_t settling = played.stats().settling_frames;
+  const int64_t before = test::allocations();
+  for (int f = 0; f < 1000; ++f) {
+    hand.move();
+    const Status status = played.engine->frame({hand.view, hand.lamp}, {});
+    ASSERT_TRUE(status.ok());
   }
+  EXPECT_EQ(test::allocations(), before);
+  EXPECT_EQ(played.stats().late_nodes, 0);
+  EXPECT_EQ(played.stats().overruns, 0);
+  EXPECT_EQ(played.stats().settling_frames, settling);
+  EXPECT_EQ(played.stats().frames, 1008);
+  EXPECT_LE(played.stats().units_max, 200000u);
+  EXPECT_GT(played.stats().units_sum, 0u);
 }
 
 TEST(Engine, ATooSmallBudgetMakesNodesLateButIsKept) {

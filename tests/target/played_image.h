@@ -11,7 +11,9 @@
 
 #include "formats/color.h"
 #include "formats/companding.h"
+#include "formats/node_coder.h"
 #include "host/encode/node_encoder.h"
+#include "host/encode/spiht_encoder.h"
 #include "target/mip.h"
 #include "tests/formats/test_image.h"
 
@@ -43,6 +45,7 @@ struct PlayedImageOptions {
   int view_samples = 16, lamp_samples = 8;
   float exposure = 1;
   SurfaceFilter filter = SurfaceFilter::kTrilinear;
+  NodeCoder coder = NodeCoder::kDct;
 };
 
 // A camera that looks at "wall", a rectangle that fills the picture exactly, texel on pixel, on which lies a layer that depends
@@ -166,6 +169,7 @@ class PlayedImage {
     auto field = std::make_unique<fb::FieldT>();
     field->layer = "layer" + std::to_string(axes);
     field->axes = axes;
+    field->coder = static_cast<fb::NodeCoder>(options_.coder);
     field->texture_width = static_cast<uint32_t>(width);
     field->texture_height = static_cast<uint32_t>(height);
     for (const Placement& placement : placements) add_map(*field, map_of(placement, width, height));
@@ -209,7 +213,7 @@ class PlayedImage {
     task.planes = planes;
     task.steps = {64, 64, 64};
     task.weights = {0.01f, 0.01f, 0.01f};
-    return encoder_.encode(task);
+    return options_.coder == NodeCoder::kSpiht ? spiht_.encode(task) : dct_.encode(task);
   }
 
   void add_leaf(const PlayedField& field, const Corner& corner, std::vector<float>& sum) const {
@@ -233,7 +237,8 @@ class PlayedImage {
   TestImage image_;
   std::vector<PlayedField> fields_;
   std::unique_ptr<AlignedBytes> file_;
-  NodeEncoder encoder_;
+  NodeEncoder dct_;
+  SpihtEncoder spiht_;
 };
 
 }  // namespace vitrine::test

@@ -49,7 +49,7 @@ void add_compile(CLI::App& app, CompileCommand& options) {
   command->add_option("--preset", options.preset, "tiny (a look), small (a demo), full (as the scene says)")->capture_default_str()->check(CLI::IsMember({"tiny", "small", "full"}));
   command->add_option("--profile", options.profile, "Target profile instead of the scene's: a built-in name or a file")->check(kNotEmpty);
   command->add_option("--storage", options.storage, "Storage instead of the scene's: \"100:1\", \"150 KB/block\", \"12 MB\"")->check(kNotEmpty);
-  command->add_option("--codec", options.codec, "Node coder")->capture_default_str()->check(CLI::IsMember({"dct"}));
+  command->add_option("--codec", options.codec, "How textures are coded, instead of the scene's: dct decodes fastest, spiht is embedded")->check(CLI::IsMember({"dct", "spiht"}));
   command->add_option("--work", options.work, "Folder for frames and textures; keep it to resume and recompile quickly (default: IMAGE.work)")->check(kNotEmpty);
   add_common_options(*command, options.common);
   command->footer("Example: vitrine compile shop -o lamp.vit --preset small");

@@ -36,7 +36,7 @@ struct RenderCommand {
 };
 
 struct CompileCommand {
-  std::string scene, image, preset = "full", profile, storage, codec = "dct", work;
+  std::string scene, image, preset = "full", profile, storage, codec, work;
   CommonOptions common;
   void run() const;
 };

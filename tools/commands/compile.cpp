@@ -14,7 +14,10 @@ namespace vitrine {
 void CompileCommand::run() const {
   const auto jobs = limit_jobs(common);
   const auto progress = make_progress(common);
-  const auto loaded = load_scene_with(scene, common, [&](Scene& s) { apply_preset(s, preset); });
+  const auto loaded = load_scene_with(scene, common, [&](Scene& s) {
+    apply_preset(s, preset);
+    if (!codec.empty()) s.settings.codec = codec == "spiht" ? NodeCoder::kSpiht : NodeCoder::kDct;
+  });
   CompileOptions options;
   options.image = image;
   options.work = work.empty() ? default_work_folder(image) : std::filesystem::path(work);

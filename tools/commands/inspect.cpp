@@ -37,6 +37,7 @@ nlohmann::json object_json(const ImageView& image, const fb::Object& object) {
     layers.push_back({{"name", field->layer()->str()},
                       {"texture", {field->texture_width(), field->texture_height()}},
                       {"maps", field->maps()->size() / kTextureMapValues},
+                      {"coder", fb::EnumNameNodeCoder(field->coder())},
                       {"bytes", field_bytes(image, *field)},
                       {"samples", shape.space.sample_count()},
                       {"blocks", shape.block_count()},
@@ -84,10 +85,10 @@ void print_text(const nlohmann::json& report) {
     fmt::print("object  {:16} {:9} {:6} triangles, {} bytes\n", object["name"].get<std::string>(),
                object["representation"].get<std::string>(), object["triangles"].get<int>(), object["bytes"].get<uint64_t>());
     for (const auto& layer : object["layers"])
-      fmt::print("  layer {:16} {} x {} texels by {} maps, {} samples in {} blocks, levels {}, {} bytes\n",
+      fmt::print("  layer {:16} {} x {} texels by {} maps, {} samples in {} blocks, levels {}, {} bytes by {}\n",
                  layer["name"].get<std::string>(), layer["texture"][0].get<int>(), layer["texture"][1].get<int>(),
                  layer["maps"].get<int>(), layer["samples"].get<int>(), layer["blocks"].get<int>(), layer["levels"].dump(),
-                 layer["bytes"].get<uint64_t>());
+                 layer["bytes"].get<uint64_t>(), layer["coder"].get<std::string>());
   }
   const auto& plan = report["plan"];
   fmt::print("plan    {} units a frame of {}, cache {} bytes, upload {} bytes a frame, horizon {} frames, settles in {} frames\n",
