@@ -248,6 +248,10 @@ TraceOptions trace_options(const Scene& scene) {
 
 std::vector<StoreKey> frame_keys(const Scene& scene) { return keys_of(frames_at(scene, grid_positions(scene))); }
 
+int64_t trace_missing(const Scene& scene, const Store& store, Progress& progress) {
+  return render_missing(scene, traced_frames(scene), store, progress);
+}
+
 uint64_t frames_key(const std::vector<StoreKey>& keys) {
   KeyBuilder all;
   for (const StoreKey& key : keys) all.text(key.hex());

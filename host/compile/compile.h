@@ -36,9 +36,11 @@ struct CompileReport {
 // Writes options.image. Throws InputError or Interrupted; then the image is untouched.
 CompileReport compile_scene(const Scene& scene, const CompileOptions& options, Progress& progress);
 
-// The parts that verification shares.
+// The parts that verification and benchmarks share.
 TraceOptions trace_options(const Scene& scene);
 std::vector<StoreKey> frame_keys(const Scene& scene);  // of all grid samples
+// Traces what compile_scene would and the store lacks; returns how many frames that were. Throws Interrupted.
+int64_t trace_missing(const Scene& scene, const Store& store, Progress& progress);
 // One number for the frames of the grid; images carry it.
 uint64_t frames_key(const std::vector<StoreKey>& keys);
 InferenceOptions inference_options(const Scene& scene, int supersampling, SurfaceFilter filter = SurfaceFilter::kTrilinear);

@@ -91,6 +91,15 @@ struct BenchInferenceCostCommand {
   void run() const;
 };
 
+struct BenchCompressionCommand {
+  std::string scene, size, work;
+  int samples = 8;
+  double noise_db = 0;  // 0: the scene's
+  bool frames_only = false;
+  CommonOptions common;
+  void run() const;
+};
+
 struct BenchSmoothingCommand {
   std::string scene, preset = "small", work;
   CommonOptions common;
