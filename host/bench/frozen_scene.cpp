@@ -55,6 +55,11 @@ Position middle_position(const Scene& scene) {
   return space.position_of(index);
 }
 
+int64_t middle_sample(const Scene& scene) {
+  const ParameterSpace space = scene.space();
+  return space.flat_from_index(space.nearest_sample(middle_position(scene)));
+}
+
 std::optional<Position> half_step_on(const Scene& scene, const Position& sample) {
   const AxisMask camera = camera_axes(scene);
   Position position = sample;

@@ -14,6 +14,7 @@ namespace vitrine {
 // The grid sample in the middle of all axes (the lower of two), and the position half a step on along every axis that moves the
 // camera; nothing where no axis does.
 Position middle_position(const Scene& scene);
+int64_t middle_sample(const Scene& scene);  // flat
 std::optional<Position> half_step_on(const Scene& scene, const Position& sample);
 
 // The scene as it is at `position`, with one sample along every axis. Throws InputError where an axis deforms an object.

@@ -131,9 +131,8 @@ double mean_pixels(const Field& field) {
   return sum / static_cast<double>(field.importance.size());
 }
 
-// Factors of the objects' squared errors where storage is shared out. An eye rests on a small glass as long as on a wall, so
-// an object's error counts for less than its pixels, but for more than the object itself: as their power of 2/3.
-std::vector<float> attention(const Inference& inference) {
+// Factors of the objects' squared errors where storage is shared out: an eye rests on a small glass as long as on a wall.
+std::vector<float> attention_factors(const Inference& inference) {
   std::vector<double> pixels(inference.objects.size());
   for (const Field& field : inference.fields) {
     double& own = pixels[static_cast<size_t>(field.drawn_object)];
@@ -164,43 +163,6 @@ FieldSource field_source(const Scene& scene, const Inference& inference, int num
   return source;
 }
 
-struct BuiltImage {
-  std::vector<std::byte> bytes;
-  std::vector<std::string> misfits;  // what the profile does not provide for
-  uint64_t field_bytes = 0;          // EncodedField::bytes of all fields
-};
-
-// Encodes for `field_bytes`, plans and links.
-BuiltImage build_image(const Scene& scene, const Inference& inference, const Store& store, const Profile& profile,
-                       uint64_t field_bytes, Progress& progress) {
-  std::vector<FieldSource> sources;
-  const std::vector<float> factors = attention(inference);
-  for (size_t f = 0; f < inference.fields.size(); ++f)
-    sources.push_back(field_source(scene, inference, static_cast<int>(f),
-                                   factors[static_cast<size_t>(inference.fields[f].drawn_object)], store));
-  const std::vector<EncodedField> encoded = encode_fields(sources, {.target_bytes = field_bytes}, progress);
-
-  std::vector<PlannedField> planned;
-  for (size_t f = 0; f < encoded.size(); ++f)
-    planned.push_back({inference.fields[f].axes, &encoded[f], sources[f].width, sources[f].height});
-  std::vector<float> speeds;
-  for (const Axis& axis : scene.axes) speeds.push_back(axis.max_speed);
-
-  LinkInput input;
-  input.scene = &scene;
-  input.width = scene.settings.width;
-  input.height = scene.settings.height;
-  input.supersampling = profile.supersampling;
-  input.filter = profile.filter;
-  input.frames_key = frames_key(frame_keys(scene));
-  input.inference = &inference;
-  input.encoded = &encoded;
-  input.plan = make_plan(scene.space(), speeds, planned, scene.settings.interpolate, profile);
-  BuiltImage image{link_image(input), misfits(input.plan, profile), 0};
-  for (const EncodedField& field : encoded) image.field_bytes += field.bytes();
-  return image;
-}
-
 // What an image holds beside the coded fields (meshes, rig, directory), as a first guess: build_to_size corrects it.
 uint64_t guessed_overhead(const Inference& inference) {
   uint64_t bytes = 4096;
@@ -211,11 +173,12 @@ uint64_t guessed_overhead(const Inference& inference) {
 // An image of at most `bytes`, and at least 98.5 % of them where the fields have that much to say.
 BuiltImage build_to_size(const Scene& scene, const Inference& inference, const Store& store, const Profile& profile,
                          uint64_t bytes, Progress& progress) {
+  const std::vector<FieldSource> sources = field_sources(scene, inference, store, Attention::kObjects);
   constexpr int kAttempts = 3;
   uint64_t overhead = guessed_overhead(inference);
   for (int attempt = 1;; ++attempt) {
     const uint64_t for_fields = std::max<uint64_t>(bytes - std::min(bytes, overhead), bytes / 16);
-    BuiltImage image = build_image(scene, inference, store, profile, for_fields, progress);
+    BuiltImage image = build_image(scene, inference, encode_fields(sources, {.target_bytes = for_fields}, progress), profile);
     const bool fits = image.bytes.size() <= bytes, full = image.bytes.size() * 1000 >= bytes * 985;
     const bool satisfied = image.field_bytes * 1000 < for_fields * 985;  // the fields had no more to say
     if (fits && (full || satisfied || attempt >= kAttempts)) return image;
@@ -274,6 +237,40 @@ std::optional<Inference> find_inference(const Scene& scene, const Store& store, 
   for (const StoreKey& key : keys)
     if (!store.has_frame(key)) return std::nullopt;
   return infer(scene, keys, store, inference_options(scene, supersampling, filter), progress);
+}
+
+std::vector<FieldSource> field_sources(const Scene& scene, const Inference& inference, const Store& store, Attention attention) {
+  std::vector<float> factors(inference.objects.size(), 1);
+  if (attention == Attention::kObjects) factors = attention_factors(inference);
+  std::vector<FieldSource> sources;
+  for (size_t f = 0; f < inference.fields.size(); ++f)
+    sources.push_back(field_source(scene, inference, static_cast<int>(f),
+                                   factors[static_cast<size_t>(inference.fields[f].drawn_object)], store));
+  return sources;
+}
+
+BuiltImage build_image(const Scene& scene, const Inference& inference, const std::vector<EncodedField>& encoded,
+                       const Profile& profile) {
+  std::vector<PlannedField> planned;
+  for (size_t f = 0; f < encoded.size(); ++f)
+    planned.push_back(
+        {inference.fields[f].axes, &encoded[f], inference.fields[f].texture_width, inference.fields[f].texture_height});
+  std::vector<float> speeds;
+  for (const Axis& axis : scene.axes) speeds.push_back(axis.max_speed);
+
+  LinkInput input;
+  input.scene = &scene;
+  input.width = scene.settings.width;
+  input.height = scene.settings.height;
+  input.supersampling = profile.supersampling;
+  input.filter = profile.filter;
+  input.frames_key = frames_key(frame_keys(scene));
+  input.inference = &inference;
+  input.encoded = &encoded;
+  input.plan = make_plan(scene.space(), speeds, planned, scene.settings.interpolate, profile);
+  BuiltImage image{link_image(input), misfits(input.plan, profile), 0};
+  for (const EncodedField& field : encoded) image.field_bytes += field.bytes();
+  return image;
 }
 
 CompileReport compile_scene(const Scene& scene, const CompileOptions& options, Progress& progress) {

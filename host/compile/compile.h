@@ -13,8 +13,10 @@
 #include <vector>
 
 #include "host/base/progress.h"
+#include "host/encode/encode.h"
 #include "host/frames/store.h"
 #include "host/infer/inference.h"
+#include "host/plan/plan.h"
 #include "host/scene/scene.h"
 
 namespace vitrine {
@@ -48,6 +50,23 @@ InferenceOptions inference_options(const Scene& scene, int supersampling, Surfac
 // The inferred textures of a scene that was compiled with this store, or nothing where the store lacks its frames.
 std::optional<Inference> find_inference(const Scene& scene, const Store& store, int supersampling, SurfaceFilter filter,
                                         Progress& progress);
+
+// What storage is shared out by.
+enum class Attention : uint8_t {
+  kObjects,  // an object's error counts for less than its pixels, but for more than the object itself: as their power of 2/3
+  kPixels,   // all pixels alike: the best PSNR
+};
+// The inferred fields as the coder takes them. They refer to `inference` and `store`.
+std::vector<FieldSource> field_sources(const Scene& scene, const Inference& inference, const Store& store, Attention attention);
+
+struct BuiltImage {
+  std::vector<std::byte> bytes;
+  std::vector<std::string> misfits;  // what the profile does not provide for
+  uint64_t field_bytes = 0;          // EncodedField::bytes of all fields
+};
+// Plans and links. `encoded`: of field_sources(), in the same order.
+BuiltImage build_image(const Scene& scene, const Inference& inference, const std::vector<EncodedField>& encoded,
+                       const Profile& profile);
 
 // Bytes of the whole image that a storage setting asks for. Throws InputError (named `source`) for one that says nothing.
 // "N:1": raw bytes / N. "X KB/block": X times the number of 8-sample blocks of the grid. "X KB", "X MB": itself.

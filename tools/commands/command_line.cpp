@@ -140,7 +140,11 @@ void add_bench_compression(CLI::App& bench, BenchCompressionCommand& options) {
   command->add_option("--size", options.size, "WIDTHxHEIGHT instead of the scene's")->check(kNotEmpty);
   command->add_option("--samples", options.samples, "Samples in the middle of every axis; 0: all")->capture_default_str()->check(CLI::Range(0, 1024));
   command->add_option("--noise", options.noise_db, "What frames are traced to, in decibels, instead of the scene's")->check(CLI::Range(10, 80));
+  command->add_option("--ratios", options.ratios, "Raw bytes of the pictures over coded ones, separated by commas (default: 384,768)")->delimiter(',')->check(CLI::Range(1.0, 1e6));
   command->add_flag("--frames-only", options.frames_only, "Trace what --work lacks, and stop");
+  command->add_option("--coders", options.coders, "The only video coders, separated by commas")->delimiter(',')->check(CLI::IsMember({"x264", "x265", "svt-av1", "mpeg4"}));
+  command->add_flag("--no-videos", options.no_videos, "Leave out the video coders, which take most of the time, and ffmpeg");
+  command->add_option("--page", options.page, "Also write an HTML page: tables, plots and close-ups")->check(kNotEmpty);
   command->add_option("--work", options.work, "Folder for frames and textures; keep it to resume (default: one that is removed afterwards)")->check(kNotEmpty);
   add_common_options(*command, options.common);
   command->footer("Example: vitrine bench compression shop --size 320x240 --noise 36 --work shop.work");

@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "host/base/progress.h"
 
@@ -92,10 +93,12 @@ struct BenchInferenceCostCommand {
 };
 
 struct BenchCompressionCommand {
-  std::string scene, size, work;
-  int samples = 8;
+  std::string scene, size, work, page;
+  int samples = 8;      // 0: all
   double noise_db = 0;  // 0: the scene's
-  bool frames_only = false;
+  std::vector<double> ratios;
+  std::vector<std::string> coders;
+  bool frames_only = false, no_videos = false;
   CommonOptions common;
   void run() const;
 };
