@@ -25,19 +25,37 @@ bool valid_axis(const FieldShape& shape, int axis) {
   for (int level = 0; level < shape.pyramid.level_count; ++level) {
     const int cell = shape.pyramid.cell[level][axis];
     if (!is_power_of_two(cell) || cell > coarser) return false;
-    coarser = cell;
+    if (shape.pyramid.has_differences(level) && cell < coarser) return false;
+    coarser = shape.pyramid.resolved(level, axis);
   }
   return coarser == 1;
 }
 
+// The top has no differences, and what they halve can be halved.
+bool valid_differences(const FieldShape& shape) {
+  for (int level = 0; level < shape.pyramid.level_count; ++level) {
+    if (!shape.pyramid.has_differences(level)) continue;
+    const int axis = shape.pyramid.halved[level];
+    if (level == 0 || axis < 0 || axis >= shape.space.axis_count || shape.pyramid.cell[level][axis] < 2) return false;
+  }
+  return true;
+}
+
 }  // namespace
+
+int PyramidShape::resolved(int level, int axis) const {
+  const auto l = static_cast<size_t>(level);
+  const int width = cell[l][static_cast<size_t>(axis)];
+  return halved[l] == axis ? width / 2 : width;
+}
 
 bool FieldShape::valid() const {
   if (space.axis_count < 0 || space.axis_count > kMaxAxes) return false;
   if (pyramid.level_count < 1 || pyramid.level_count > kMaxLevels) return false;
+  if (!valid_differences(*this)) return false;
   for (int a = 0; a < space.axis_count; ++a)
     if (!valid_axis(*this, a)) return false;
-  // All counts fit an int: at most 2^15 nodes a block (8 levels of 8^4 cells), so the product cannot overflow an int64
+  // All counts fit an int: at most 2^16 nodes a block (13 levels of 8^4 cells), so the product cannot overflow an int64
   // before it is refused.
   int64_t count = nodes_per_block();
   for (int a = 0; a < space.axis_count; ++a) {
@@ -82,6 +100,12 @@ int FieldShape::level_of(int node) const {
   int rest = node % nodes_per_block(), level = 0;
   while (rest >= cells_per_block(*this, level)) rest -= cells_per_block(*this, level++);
   return level;
+}
+
+bool FieldShape::subtracts(const GridIndex& sample, int level) const {
+  if (!pyramid.has_differences(level)) return false;
+  const int axis = pyramid.halved[level], width = pyramid.cell[level][axis];
+  return (sample[axis] + stagger[axis]) % width >= width / 2;
 }
 
 FieldShape::Box FieldShape::samples_of(int node) const {

@@ -289,6 +289,8 @@ class ObjectChecker {
     if (levels < 1 || levels > kMaxLevels || field.level_steps()->size() != levels * 3)
       return malformed("a field has an impossible number of quantizer steps");
     if (cells != levels * axes) return malformed("a field's cells have not one entry per level and axis");
+    if (field.halved() && field.halved()->size() != 0 && field.halved()->size() != levels)
+      return malformed("a field's halved axes have not one entry per level");
     for (const uint16_t step : *field.level_steps())
       if (step < 1) return malformed("a quantizer step is zero");
     if (!shape_from_directory(image_, field).valid()) return malformed("a field's blocks and pyramid contradict each other");
@@ -355,6 +357,8 @@ FieldShape shape_from_directory(const fb::Image& image, const fb::Field& field) 
     for (uint32_t level = 0; level < static_cast<uint32_t>(shape.pyramid.level_count); ++level)
       shape.pyramid.cell[level][a] = field.cells()->Get(level * axes + a);
   }
+  if (field.halved())
+    for (uint32_t level = 0; level < field.halved()->size(); ++level) shape.pyramid.halved[level] = field.halved()->Get(level);
   return shape;
 }
 

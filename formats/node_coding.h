@@ -23,7 +23,7 @@ inline constexpr int kMinBlockLog2 = 3;  // blocks of 8, 16 and 32
 inline constexpr int kCellSize = 8;      // granularity of the block flags
 inline constexpr int kTileCells = kTileSize / kCellSize;
 inline constexpr int kMaxNodeSize = 8192;  // texels a side
-// Decoded values lie in [-kNodeValueMax, kNodeValueMax], so the sum of kMaxLevels nodes always fits 16 bits.
+// Decoded values lie in [-kNodeValueMax, kNodeValueMax], so sums of up to eight nodes fit 16 bits; those of more, which only odd images have, wrap.
 inline constexpr int kNodeValueMax = 4095;
 inline constexpr int kStepUnitsPerCode = 8;  // quantizer steps are given in eighths of a code
 inline constexpr int kMaxCoefficientLevel = 32767;

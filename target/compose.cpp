@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <cstring>
 
 #include "formats/color.h"
 #include "target/mip.h"
@@ -18,13 +17,15 @@ struct Codes {
   std::array<int16_t, kChunk> y, co, cg;
 };
 
-// Sums at most kMaxLevels values within +-4095: fits 16 bits (formats/node_coding.h).
+// In 16 bits, modulo 2^16: up to eight levels fit in any case (formats/node_coding.h).
 void sum_levels(const LeafTerm& leaf, size_t plane, size_t first, size_t count, int16_t* sum) {
-  if (leaf.count == 0) return std::fill_n(sum, count, int16_t{0}), void();
-  std::memcpy(sum, leaf.planes[0] + plane + first, count * sizeof(int16_t));
-  for (int l = 1; l < leaf.count; ++l) {
-    const int16_t* level = leaf.planes[static_cast<size_t>(l)] + plane + first;
-    for (size_t i = 0; i < count; ++i) sum[i] = static_cast<int16_t>(sum[i] + level[i]);
+  std::fill_n(sum, count, int16_t{0});
+  for (size_t l = 0; l < static_cast<size_t>(leaf.count); ++l) {
+    const int16_t* level = leaf.planes[l] + plane + first;
+    if (leaf.subtracted[l])
+      for (size_t i = 0; i < count; ++i) sum[i] = static_cast<int16_t>(sum[i] - level[i]);
+    else
+      for (size_t i = 0; i < count; ++i) sum[i] = static_cast<int16_t>(sum[i] + level[i]);
   }
 }
 

@@ -18,6 +18,7 @@ namespace vitrine {
 // One leaf and its weight in the blend.
 struct LeafTerm {
   std::array<const int16_t*, kMaxLevels> planes{};  // of each node: Y, Co, Cg, each width * height
+  std::array<bool, kMaxLevels> subtracted{};        // FieldShape::subtracts
   int count = 0;
   float weight = 1;
 };

@@ -21,7 +21,9 @@ LeafTerm Engine::State::leaf_of(const FieldState& field, const GridIndex& sample
   LeafTerm leaf{.weight = corner.weight};
   for (int level = 0; level < corner.levels; ++level) {
     const int32_t slot = field.slot[static_cast<size_t>(field.shape.node_of(sample, level))];
-    if (slot >= 0) leaf.planes[static_cast<size_t>(leaf.count++)] = cache.pool_of(field).planes_of(slot).data();
+    if (slot < 0) continue;
+    leaf.planes[static_cast<size_t>(leaf.count)] = cache.pool_of(field).planes_of(slot).data();
+    leaf.subtracted[static_cast<size_t>(leaf.count++)] = field.shape.subtracts(sample, level);
   }
   return leaf;
 }

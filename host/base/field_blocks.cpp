@@ -21,7 +21,8 @@ AxisSizes block_size_of(const ParameterSpace& space) {
   AxisSizes size{};
   for (size_t a = 0; a < static_cast<size_t>(space.axis_count); ++a) {
     int n = 1;
-    while (n < kMaxBlockSize && n < space.axes[a].samples) n *= 2;
+    const int samples = space.axes[a].kind == AxisKind::kDiscrete ? 1 : space.axes[a].samples;
+    while (n < kMaxBlockSize && n < samples) n *= 2;
     size[a] = static_cast<uint8_t>(n);
   }
   return size;

@@ -8,7 +8,8 @@
 
 namespace vitrine {
 
-// Per axis kMaxBlockSize, or the least power of two that holds all samples.
+// Per axis kMaxBlockSize, or the least power of two that holds all samples. One sample along discrete axes: nothing may be
+// shown that is halfway between two states of a switch.
 AxisSizes block_size_of(const ParameterSpace& space);
 
 // Origins spread over the block, so that borders of different fields do not fall together.

@@ -19,28 +19,28 @@ constexpr double kAim = 0.996, kEnough = 0.99;  // of the target
 
 double table_bits_of(const FieldJob& job) { return 64 * job.preview_share(); }
 
-void choose_pyramids(std::vector<FieldJob>& jobs, double price) {
+void choose_pyramids(std::vector<FieldJob>& jobs, PyramidKind kind, double price) {
   for (FieldJob& job : jobs) {
-    job.set_pyramid(choose_pyramid(job.shape, job.preview_textures(), price, table_bits_of(job)).pyramid);
+    job.set_pyramid(choose_pyramid(job.shape, job.preview_textures(), kind, price, table_bits_of(job)).pyramid);
   }
 }
 
 // Bytes at a price as the shape search estimates them, without coding anything.
-double estimated_bytes(std::vector<FieldJob>& jobs, double price) {
+double estimated_bytes(std::vector<FieldJob>& jobs, PyramidKind kind, double price) {
   double bytes = 0;
   for (FieldJob& job : jobs) {
-    const ShapeChoice choice = choose_pyramid(job.shape, job.preview_textures(), price, table_bits_of(job), 4'000'000);
+    const ShapeChoice choice = choose_pyramid(job.shape, job.preview_textures(), kind, price, table_bits_of(job), 4'000'000);
     job.set_pyramid(choice.pyramid);
     bytes += choice.bits / 8 / job.preview_share() + table_bytes(job);
   }
   return bytes;
 }
 
-double estimated_price(std::vector<FieldJob>& jobs, double target) {
+double estimated_price(std::vector<FieldJob>& jobs, PyramidKind kind, double target) {
   double low = std::log(1e-2), high = std::log(1e9);
   for (int i = 0; i < 10; ++i) {
     const double middle = (low + high) / 2;
-    (estimated_bytes(jobs, std::exp(middle)) > target ? low : high) = middle;
+    (estimated_bytes(jobs, kind, std::exp(middle)) > target ? low : high) = middle;
   }
   return std::exp(high);
 }
@@ -60,14 +60,14 @@ void choose_exponents(std::vector<FieldJob>& jobs, double price, Progress& progr
 }
 
 // Pyramids, exponents and contexts from previews; returns a price that should meet the target.
-double prepare(std::vector<FieldJob>& jobs, double price, double target, Progress& progress) {
+double prepare(std::vector<FieldJob>& jobs, PyramidKind kind, double price, double target, Progress& progress) {
   PriceSearch search(target);
-  choose_pyramids(jobs, price);
+  choose_pyramids(jobs, kind, price);
   for (int round = 0; round < 3; ++round) {
     const Pass pass = encode_pass(jobs, price, true, progress);
     train_contexts(jobs, pass);
     if (target > 0) price = search.next(price, pass.bytes);
-    if (round == 0) choose_pyramids(jobs, price);
+    if (round == 0) choose_pyramids(jobs, kind, price);
     if (round == 1) choose_exponents(jobs, price, progress);
   }
   return price;
@@ -99,15 +99,10 @@ std::vector<EncodedField> assemble_all(const std::vector<FieldJob>& jobs, const 
   return out;
 }
 
-// The finest steps there are.
+// Whether no lower price would make any steps finer.
 bool finest(const std::vector<FieldJob>& jobs, double price) {
-  for (const FieldJob& job : jobs) {
-    const FieldCoder coder(job.shape, job.textures, job.setting, price);
-    for (int level = 0; level < job.shape.pyramid.level_count; ++level) {
-      if (coder.steps(level)[0] > kFinestStep) return false;
-    }
-  }
-  return true;
+  return std::all_of(jobs.begin(), jobs.end(),
+                     [&](const FieldJob& job) { return FieldCoder(job.shape, job.textures, job.setting, price).finest(); });
 }
 
 int64_t block_count(const std::vector<FieldJob>& jobs) {
@@ -116,9 +111,10 @@ int64_t block_count(const std::vector<FieldJob>& jobs) {
   return count;
 }
 
-std::vector<EncodedField> encode_to_target(std::vector<FieldJob>& jobs, double target, double floor, Progress& progress) {
+std::vector<EncodedField> encode_to_target(std::vector<FieldJob>& jobs, PyramidKind kind, double target, double floor,
+                                           Progress& progress) {
   PartOfStep part(progress);
-  double price = std::max(floor, prepare(jobs, std::max(floor, estimated_price(jobs, target)), kAim * target, part));
+  double price = std::max(floor, prepare(jobs, kind, std::max(floor, estimated_price(jobs, kind, target)), kAim * target, part));
   double tables = 0;
   for (const FieldJob& job : jobs) tables += table_bytes(job);
   PriceSearch search(kAim * target);
@@ -138,7 +134,8 @@ std::vector<EncodedField> encode_to_target(std::vector<FieldJob>& jobs, double t
   }
   if (!best) {
     throw InputError("storage",
-                     "it leaves " + std::to_string(static_cast<int64_t>(target)) + " bytes for textures, but their tables of nodes alone take " +
+                     "it leaves " + std::to_string(static_cast<int64_t>(target)) +
+                         " bytes for textures, but their tables of nodes alone take " +
                          std::to_string(static_cast<int64_t>(tables)),
                      "ask for more storage, or for fewer samples");
   }
@@ -153,11 +150,12 @@ std::vector<EncodedField> encode_fields(const std::vector<FieldSource>& fields, 
   std::vector<FieldJob> jobs = load_fields(fields, progress);
   const auto price_of = [](double quantizer) { return kPricePerStep2 * quantizer * quantizer; };
   if (options.quantizer <= 0) {
-    return encode_to_target(jobs, static_cast<double>(options.target_bytes), price_of(options.finest_quantizer), progress);
+    return encode_to_target(jobs, options.pyramid, static_cast<double>(options.target_bytes), price_of(options.finest_quantizer),
+                            progress);
   }
   const double price = price_of(options.quantizer);
   PartOfStep part(progress);
-  prepare(jobs, price, 0, part);
+  prepare(jobs, options.pyramid, price, 0, part);
   progress.begin("coding textures", block_count(jobs), 0, "blocks");
   const Pass pass = encode_pass(jobs, price, false, progress);
   progress.end();

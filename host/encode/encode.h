@@ -1,6 +1,6 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 //
-// Coding of fields (Hakura 2001, chapter 4): blocks, adaptive Laplacian pyramids over the parameter axes, the DCT coder, and
+// Coding of fields (Hakura 2001, chapter 4): blocks, adaptive pyramids over the parameter axes, the DCT coder, and
 // storage by equal slopes.
 #pragma once
 
@@ -38,7 +38,15 @@ struct EncodedField {
   uint64_t bytes() const { return nodes.size() + contexts.size() + 8 * node_bytes.size(); }
 };
 
+// Which pyramids a field may get. All but the first are for comparison.
+enum class PyramidKind {
+  kBest,       // residuals and differences, as suits the field
+  kResiduals,  // the adaptive Laplacian pyramid
+  kIsotropic,  // the plain Laplacian pyramid: every level halves all axes
+};
+
 struct EncodeOptions {
+  PyramidKind pyramid = PyramidKind::kBest;
   // Of all fields together (EncodedField::bytes): met from below, within 1 % where the signal has that much to say.
   uint64_t target_bytes = 0;
   // No target makes the base step finer than this (below): about one 8-bit level, an error

@@ -4,10 +4,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
+#include "host/encode/block_cells.h"
 #include "host/encode/block_kernels.h"
 
 namespace vitrine {
@@ -16,41 +16,30 @@ namespace {
 constexpr double kImportanceFloor = 0.02;  // of the mean
 constexpr int kRecordedNodes = 24;         // per level and block, for the training of contexts
 
-// Calls visit(GridIndex) for every sample in a box, row-major.
-template <typename Visit>
-void for_each_sample(const ParameterSpace& space, const FieldShape::Box& box, const Visit& visit) {
-  for (int a = 0; a < space.axis_count; ++a) {
-    if (box.last[a] < box.first[a]) return;
-  }
-  GridIndex at = box.first;
-  for (;;) {
-    visit(at);
-    int a = space.axis_count - 1;
-    while (a >= 0 && at[a] == box.last[a]) at[a] = box.first[a], --a;
-    if (a < 0) return;
-    ++at[a];
-  }
-}
-
 NodeEncoder& thread_encoder() {
   thread_local NodeEncoder encoder;
   return encoder;
 }
 
-// Mean of a cell's leaves, rounded.
-void average(const std::vector<const CodedPlanes*>& leaves, CodedPlanes& mean) {
-  const size_t count = mean.size();
-  const int n = static_cast<int>(leaves.size());
-  std::vector<int32_t> sum(count, n / 2);
-  for (const CodedPlanes* leaf : leaves) {
-    for (size_t i = 0; i < count; ++i) sum[i] += (*leaf)[i];
+// What a node should hold, rounded. Shares sum to one at most and leaves lie within a few thousands: no sum reaches 2^30.
+CodedPlanes mix(const std::vector<CodedPlanes>& leaves, const BlockCell& cell) {
+  std::vector<int32_t> sum(leaves[cell.leaves[0]].size(), 1 << (kShareLog2 - 1));
+  for (size_t l = 0; l < cell.leaves.size(); ++l) {
+    const int16_t* leaf = leaves[cell.leaves[l]].data();
+    const int32_t share = cell.shares[l];
+    for (size_t i = 0; i < sum.size(); ++i) sum[i] += share * leaf[i];
   }
-  if (std::has_single_bit(static_cast<unsigned>(n))) {
-    const int shift = std::countr_zero(static_cast<unsigned>(n));
-    for (size_t i = 0; i < count; ++i) mean[i] = static_cast<int16_t>(sum[i] >> shift);
-  } else {
-    for (size_t i = 0; i < count; ++i) mean[i] = static_cast<int16_t>(sum[i] >= 0 ? sum[i] / n : (sum[i] - n + 1) / n);
-  }
+  CodedPlanes mixed(sum.size());
+  for (size_t i = 0; i < sum.size(); ++i) mixed[i] = static_cast<int16_t>(sum[i] >> kShareLog2);
+  return mixed;
+}
+
+// Takes a decoded node off a leaf.
+void take_off(const std::vector<int16_t>& node, bool subtracted, CodedPlanes& leaf) {
+  if (subtracted)
+    for (size_t i = 0; i < node.size(); ++i) leaf[i] = static_cast<int16_t>(leaf[i] + node[i]);
+  else
+    for (size_t i = 0; i < node.size(); ++i) leaf[i] = static_cast<int16_t>(leaf[i] - node[i]);
 }
 
 std::vector<float> cell_means(const std::vector<float>& importance, int width, int height, double samples_shown, double floor) {
@@ -91,66 +80,24 @@ int samples_per_cell(const FieldShape& shape, int level) {
   return n;
 }
 
-struct FieldCoder::Cell {
-  int node;                    // within the block
-  std::vector<size_t> leaves;  // places in the block's list of leaves
-};
-
 FieldCoder::FieldCoder(const FieldShape& shape, const FieldTextures& textures, const FieldSetting& setting, double price)
     : shape_(shape), textures_(textures), setting_(setting), price_(price) {
-  const double base = std::sqrt(price / (kPricePerStep2 * textures.reference_importance));
+  base_ = std::max(kFinestStep, std::sqrt(price / (kPricePerStep2 * textures.reference_importance)));
   for (int level = 0; level < shape.pyramid.level_count; ++level) {
-    const double q = base * std::pow(samples_per_cell(shape, level), -setting.step_exponent / 2);
+    const double q = base_ * std::pow(samples_per_cell(shape, level), -setting.step_exponent / 2);
     LevelSteps& steps = steps_.emplace_back();
     for (size_t p = 0; p < kNodePlanes; ++p) {
-      steps[p] = static_cast<uint16_t>(std::clamp(
-          std::round(kStepUnitsPerCode * q / std::sqrt(static_cast<double>(kPlaneWeights[p]))), double{kFinestStep}, 65535.0));
+      const double step = std::round(kStepUnitsPerCode * q / std::sqrt(static_cast<double>(kPlaneWeights[p])));
+      steps[p] = static_cast<uint16_t>(std::clamp(step, 1.0, 65535.0));
     }
   }
 }
 
-// Leaves of a block are listed in the order of its bounding box.
-std::vector<FieldCoder::Cell> FieldCoder::cells_of(int block, int level) const {
-  const int per_block = shape_.nodes_per_block();
-  GridIndex first{};
-  GridIndex extent{};
-  for (int a = shape_.space.axis_count - 1, rest = block; a >= 0; --a) {
-    const int size = shape_.block_size[static_cast<size_t>(a)], blocks = shape_.blocks_along(a);
-    const int start = rest % blocks * size - shape_.stagger[static_cast<size_t>(a)];
-    first[static_cast<size_t>(a)] = std::max(start, 0);
-    extent[static_cast<size_t>(a)] =
-        std::min(start + size, shape_.space.axes[static_cast<size_t>(a)].samples) - first[static_cast<size_t>(a)];
-    rest /= blocks;
-  }
-  std::vector<Cell> cells;
-  for (int n = 0; n < per_block; ++n) {
-    const int node = block * per_block + n;
-    if (shape_.level_of(node) != level) continue;
-    Cell cell{n, {}};
-    for_each_sample(shape_.space, shape_.samples_of(node), [&](const GridIndex& at) {
-      size_t place = 0;
-      for (size_t a = 0; a < static_cast<size_t>(shape_.space.axis_count); ++a) {
-        place = place * static_cast<size_t>(extent[a]) + static_cast<size_t>(at[a] - first[a]);
-      }
-      cell.leaves.push_back(place);
-    });
-    if (!cell.leaves.empty()) cells.push_back(std::move(cell));
-  }
-  return cells;
-}
-
-NodeCode FieldCoder::encode_cell(const Cell& cell, int block, int level, const std::vector<CodedPlanes>& rest,
+NodeCode FieldCoder::encode_cell(const BlockCell& cell, int block, int level, const std::vector<CodedPlanes>& rest,
                                  CodedSymbols* symbols) const {
-  CodedPlanes mean;
+  const CodedPlanes wanted = mix(rest, cell);
   NodeTask task;
-  task.planes = rest[cell.leaves[0]];
-  if (cell.leaves.size() > 1) {
-    std::vector<const CodedPlanes*> leaves;
-    for (const size_t leaf : cell.leaves) leaves.push_back(&rest[leaf]);
-    mean.resize(rest[cell.leaves[0]].size());
-    average(leaves, mean);
-    task.planes = mean;
-  }
+  task.planes = wanted;
   task.width = textures_.width;
   task.height = textures_.height;
   task.steps = steps(level);
@@ -172,36 +119,39 @@ double FieldCoder::squared_error(const CodedPlanes& rest, const std::vector<floa
   return total / 3;
 }
 
+std::vector<CodedPlanes> FieldCoder::leaves_of(int block) const {
+  std::vector<CodedPlanes> leaves;
+  for (const GridIndex& sample : samples_of_block(shape_, block))
+    leaves.push_back(textures_.leaf(shape_.space.flat_from_index(sample)));
+  return leaves;
+}
+
+// Cells of a level share no leaves.
+void FieldCoder::encode_level(int block, int level, std::vector<CodedPlanes>& rest, CodedBlock& out) const {
+  const std::vector<BlockCell> cells = cells_of_level(shape_, block, level);
+  const size_t stride = std::max<size_t>(1, (cells.size() + kRecordedNodes - 1) / kRecordedNodes);
+  std::vector<CodedSymbols> symbols(cells.size());
+  tbb::parallel_for(size_t{0}, cells.size(), [&](size_t c) {
+    const BlockCell& cell = cells[c];
+    NodeCode code = encode_cell(cell, block, level, rest, c % stride == 0 ? &symbols[c] : nullptr);
+    const size_t node = static_cast<size_t>(cell.node);
+    out.nodes[node] = std::move(code.bytes);
+    out.units[node] = static_cast<uint32_t>(std::min<uint64_t>(code.units, std::numeric_limits<uint32_t>::max()));
+    if (out.nodes[node].empty()) return;
+    for (size_t l = 0; l < cell.leaves.size(); ++l) take_off(code.planes, cell.subtracted[l], rest[cell.leaves[l]]);
+  });
+  for (size_t c = 0; c < cells.size(); c += stride)
+    if (!symbols[c].empty()) out.symbols[static_cast<size_t>(level)].push_back(std::move(symbols[c]));
+}
+
 CodedBlock FieldCoder::encode_block(int block) const {
-  const int per_block = shape_.nodes_per_block(), levels = shape_.pyramid.level_count;
+  const size_t nodes = static_cast<size_t>(shape_.nodes_per_block());
   CodedBlock out;
-  out.nodes.resize(static_cast<size_t>(per_block));
-  out.units.assign(static_cast<size_t>(per_block), 0);
-  out.symbols.resize(static_cast<size_t>(levels));
-  std::vector<CodedPlanes> rest;
-  for (const Cell& cell : cells_of(block, levels - 1)) rest.resize(std::max(rest.size(), cell.leaves.back() + 1));
-  for (const Cell& cell : cells_of(block, levels - 1)) {
-    const FieldShape::Box box = shape_.samples_of(block * per_block + cell.node);
-    rest[cell.leaves[0]] = textures_.leaf(shape_.space.flat_from_index(box.first));
-  }
-  for (int level = 0; level < levels; ++level) {
-    const std::vector<Cell> cells = cells_of(block, level);
-    const size_t stride = (cells.size() + kRecordedNodes - 1) / kRecordedNodes;
-    std::vector<CodedSymbols> symbols(cells.size());
-    tbb::parallel_for(size_t{0}, cells.size(), [&](size_t c) {
-      NodeCode code = encode_cell(cells[c], block, level, rest, c % stride == 0 ? &symbols[c] : nullptr);
-      const size_t node = static_cast<size_t>(cells[c].node);
-      out.nodes[node] = std::move(code.bytes);
-      out.units[node] = static_cast<uint32_t>(std::min<uint64_t>(code.units, std::numeric_limits<uint32_t>::max()));
-      if (out.nodes[node].empty()) return;
-      for (const size_t leaf : cells[c].leaves) {
-        for (size_t i = 0; i < code.planes.size(); ++i) rest[leaf][i] = static_cast<int16_t>(rest[leaf][i] - code.planes[i]);
-      }
-    });
-    for (size_t c = 0; c < cells.size(); c += std::max<size_t>(stride, 1)) {
-      if (!symbols[c].empty()) out.symbols[static_cast<size_t>(level)].push_back(std::move(symbols[c]));
-    }
-  }
+  out.nodes.resize(nodes);
+  out.units.assign(nodes, 0);
+  out.symbols.resize(static_cast<size_t>(shape_.pyramid.level_count));
+  std::vector<CodedPlanes> rest = leaves_of(block);
+  for (int level = 0; level < shape_.pyramid.level_count; ++level) encode_level(block, level, rest, out);
   for (const CodedPlanes& leaf : rest) out.squared_error += squared_error(leaf, textures_.weights_of(block).importance);
   for (const auto& node : out.nodes) out.bytes += node.size();
   return out;

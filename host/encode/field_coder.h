@@ -1,6 +1,6 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 //
-// Closed-loop coding of one field's blocks: each level codes what the decoded coarser levels leave, averaged over the cell.
+// Closed-loop coding of one field's blocks: each level codes what the decoded coarser levels leave, mixed over the cell.
 //
 // The measure of error, everywhere in host/encode: importance * samples_shown * (eR^2 + eG^2 + eB^2) / 3, e in codes, summed
 // over texels and leaves. In terms of Y, Co, Cg that is eY^2 + eCo^2 / 6 + eCg^2 / 4 (but for the product of eY and eCg,
@@ -13,6 +13,7 @@
 
 #include "formats/block.h"
 #include "formats/node_coding.h"
+#include "host/encode/block_cells.h"
 #include "host/encode/encode.h"
 #include "host/encode/node_encoder.h"
 
@@ -21,8 +22,8 @@ namespace vitrine {
 inline constexpr std::array<float, kNodePlanes> kPlaneWeights = {1.0f, 1.0f / 6, 1.0f / 4};
 // A step of q codes belongs to a price of kPricePerStep2 * q^2 squared error per bit.
 inline constexpr double kPricePerStep2 = 0.10;
-// No step is finer: about one 8-bit level. The DC of a 32 x 32 block of the largest code still fits a coefficient level.
-inline constexpr uint16_t kFinestStep = 4 * kStepUnitsPerCode;
+// No base step is finer, in codes: about one 8-bit level.
+inline constexpr double kFinestStep = 4;
 
 // The leaves of a field, or of a part of its texels, in memory.
 struct FieldTextures {
@@ -69,18 +70,21 @@ class FieldCoder {
   // Keeps references. `price`: squared error per bit.
   FieldCoder(const FieldShape& shape, const FieldTextures& textures, const FieldSetting& setting, double price);
   const LevelSteps& steps(int level) const { return steps_[static_cast<size_t>(level)]; }
+  // Whether no lower price would make the steps finer.
+  bool finest() const { return base_ <= kFinestStep; }
   CodedBlock encode_block(int block) const;
 
  private:
-  struct Cell;
-  std::vector<Cell> cells_of(int block, int level) const;
-  NodeCode encode_cell(const Cell& cell, int block, int level, const std::vector<CodedPlanes>& rest, CodedSymbols* symbols) const;
+  std::vector<CodedPlanes> leaves_of(int block) const;
+  void encode_level(int block, int level, std::vector<CodedPlanes>& rest, CodedBlock& out) const;
+  NodeCode encode_cell(const BlockCell& cell, int block, int level, const std::vector<CodedPlanes>& rest,
+                       CodedSymbols* symbols) const;
   double squared_error(const CodedPlanes& rest, const std::vector<float>& importance) const;
 
   const FieldShape& shape_;
   const FieldTextures& textures_;
   const FieldSetting& setting_;
-  double price_;
+  double price_, base_;  // the step, in codes, of luma of a level that makes one sample a node
   std::vector<LevelSteps> steps_;
 };
 

@@ -92,7 +92,7 @@ struct BlockTask {
 }  // namespace
 
 void FieldJob::set_pyramid(const PyramidShape& pyramid) {
-  if (pyramid.level_count == setting.pyramid.level_count && pyramid.cell == setting.pyramid.cell) return;
+  if (pyramid == setting.pyramid) return;
   setting.pyramid = shape.pyramid = pyramid;
   setting.contexts.clear();
 }

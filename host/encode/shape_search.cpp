@@ -28,6 +28,14 @@ class CellLattice {
     }
   }
   int count() const { return count_; }
+  int axes() const { return axes_; }
+  // The point whose cells are half as long along an axis, or -1.
+  int halved(int point, int axis) const {
+    if (cell(point)[static_cast<size_t>(axis)] < 2) return -1;
+    int stride = 1;
+    for (int a = axes_ - 1; a > axis; --a) stride *= log2_[static_cast<size_t>(a)] + 1;
+    return point - stride;
+  }
   AxisSizes cell(int point) const {
     AxisSizes cell{};
     for (int a = axes_ - 1; a >= 0; --a) {
@@ -72,9 +80,37 @@ BlockBox box_of(const FieldShape& shape, int block) {
 
 // A tile's coefficients averaged over cells of one size: one vector per cell.
 struct CellMeans {
-  GridIndex cells{};  // per axis
+  GridIndex cells{}, width{};  // per axis: how many, of how many samples
   std::vector<int> samples;
   std::vector<std::vector<float>> mean;
+};
+
+// A sum for every step that a pyramid may take: from nothing to a top, from cells to finer ones by residuals, from cells to
+// halves of them by differences.
+class Steps {
+ public:
+  explicit Steps(const CellLattice& lattice)
+      : count_(static_cast<size_t>(lattice.count())),
+        values_(count_ * (count_ + 1) + count_ * static_cast<size_t>(lattice.axes()), 0) {}
+  double& top(int fine) { return values_[static_cast<size_t>(fine)]; }
+  double& residuals(int coarse, int fine) {
+    return values_[(static_cast<size_t>(coarse) + 1) * count_ + static_cast<size_t>(fine)];
+  }
+  double& differences(int coarse, int axis) {
+    return values_[(count_ + 1 + static_cast<size_t>(axis)) * count_ + static_cast<size_t>(coarse)];
+  }
+  void add(const Steps& other) {
+    for (size_t i = 0; i < values_.size(); ++i) values_[i] += other.values_[i];
+  }
+
+ private:
+  size_t count_;
+  std::vector<double> values_;
+};
+struct StepCosts {
+  explicit StepCosts(const CellLattice& lattice) : cost(lattice), bits(lattice) {}
+  Steps cost;  // in units of the price of a bit
+  Steps bits;
 };
 
 class TileAnalysis {
@@ -83,22 +119,26 @@ class TileAnalysis {
                const std::vector<float>& cell_importance, int log2, double price)
       : lattice_(lattice), shape_(shape), textures_(textures), cell_importance_(cell_importance), log2_(log2), price_(price) {}
 
-  // Adds the costs of all steps for the tile at (x, y) of a block to `cost` (coarse * count + fine; coarse == count: the top)
-  // and the bits of it to `bits`.
-  void add(const BlockBox& box, int x, int y, std::vector<double>& cost, std::vector<double>& bits) const {
-    const int count = lattice_.count();
-    std::vector<CellMeans> means(static_cast<size_t>(count));
+  // The costs of all steps for the tile at (x, y) of a block.
+  StepCosts costs_of(const BlockBox& box, int x, int y) const {
+    std::vector<CellMeans> means;
     const auto leaves = transform_leaves(box, x, y);
-    for (int p = 0; p < count; ++p) means[static_cast<size_t>(p)] = means_of(box, leaves, lattice_.cell(p));
-    const double weight = weight_at(x, y);
-    for (int fine = 0; fine < count; ++fine) {
-      for (int coarse = 0; coarse <= count; ++coarse) {
-        if (coarse < count && !lattice_.contains(coarse, fine)) continue;
-        const size_t at = static_cast<size_t>(coarse * count + fine);
-        add_step(coarse < count ? &means[static_cast<size_t>(coarse)] : nullptr, means[static_cast<size_t>(fine)],
-                 lattice_.cell(coarse % count), lattice_.cell(fine), weight, cost[at], bits[at]);
-      }
+    for (int p = 0; p < lattice_.count(); ++p) means.push_back(means_of(box, leaves, lattice_.cell(p)));
+    const float scale = static_cast<float>(weight_at(x, y) / kPricePerStep2);
+    StepCosts costs(lattice_);
+    for (int fine = 0; fine < lattice_.count(); ++fine) {
+      add_residuals(nullptr, means[static_cast<size_t>(fine)], scale, costs.cost.top(fine), costs.bits.top(fine));
+      for (int coarse = 0; coarse < lattice_.count(); ++coarse)
+        if (lattice_.contains(coarse, fine))
+          add_residuals(&means[static_cast<size_t>(coarse)], means[static_cast<size_t>(fine)], scale,
+                        costs.cost.residuals(coarse, fine), costs.bits.residuals(coarse, fine));
     }
+    for (int coarse = 0; coarse < lattice_.count(); ++coarse)
+      for (int axis = 0; axis < lattice_.axes(); ++axis)
+        if (const int fine = lattice_.halved(coarse, axis); fine >= 0)
+          add_differences(means[static_cast<size_t>(fine)], axis, scale, costs.cost.differences(coarse, axis),
+                          costs.bits.differences(coarse, axis));
+    return costs;
   }
 
  private:
@@ -145,14 +185,14 @@ class TileAnalysis {
     CellMeans means;
     int count = 1;
     for (size_t a = 0; a < kMaxAxes; ++a) {
-      const int width = std::max<int>(cell[a], 1);
-      means.cells[a] = (box.size[a] + width - 1) / width;
+      means.width[a] = std::max<int>(cell[a], 1);
+      means.cells[a] = (box.size[a] + means.width[a] - 1) / means.width[a];
       count *= means.cells[a];
     }
     means.samples.assign(static_cast<size_t>(count), 0);
     means.mean.assign(static_cast<size_t>(count), std::vector<float>(kNodePlanes * area(), 0));
     for (int s = 0; s < box.samples(); ++s) {
-      const size_t c = static_cast<size_t>(cell_of_sample(box, s, cell, means.cells));
+      const size_t c = static_cast<size_t>(cell_of_sample(box, s, means));
       ++means.samples[c];
       for (size_t i = 0; i < means.mean[c].size(); ++i) means.mean[c][i] += leaves[static_cast<size_t>(s)][i];
     }
@@ -162,55 +202,70 @@ class TileAnalysis {
     return means;
   }
 
-  static int cell_of_sample(const BlockBox& box, int sample, const AxisSizes& cell, const GridIndex& cells) {
+  static int cell_of_sample(const BlockBox& box, int sample, const CellMeans& means) {
     int index = 0, factor = 1;
     for (int a = kMaxAxes - 1; a >= 0; --a) {
       const size_t i = static_cast<size_t>(a);
-      index += sample % box.size[i] / std::max<int>(cell[i], 1) * factor;
-      factor *= cells[i];
+      index += sample % box.size[i] / means.width[i] * factor;
+      factor *= means.cells[i];
       sample /= box.size[i];
     }
     return index;
   }
 
   // Which coarse cell holds a fine one.
-  static size_t parent_of(const CellMeans& coarse, const AxisSizes& coarse_cell, const CellMeans& fine,
-                          const AxisSizes& fine_cell, size_t index) {
+  static size_t parent_of(const CellMeans& coarse, const CellMeans& fine, size_t index) {
     int rest = static_cast<int>(index), parent = 0, factor = 1;
     for (int a = kMaxAxes - 1; a >= 0; --a) {
       const size_t i = static_cast<size_t>(a);
-      parent += rest % fine.cells[i] * std::max<int>(fine_cell[i], 1) / std::max<int>(coarse_cell[i], 1) * factor;
+      parent += rest % fine.cells[i] * fine.width[i] / coarse.width[i] * factor;
       factor *= coarse.cells[i];
       rest /= fine.cells[i];
     }
     return static_cast<size_t>(parent);
   }
 
-  // What coding the differences between two cell sizes costs, in units of the price of a bit.
-  void add_step(const CellMeans* coarse, const CellMeans& fine, const AxisSizes& coarse_cell, const AxisSizes& fine_cell,
-                double weight, double& cost, double& bits) const {
+  void add_residuals(const CellMeans* coarse, const CellMeans& fine, float scale, double& cost, double& bits) const {
+    std::vector<float> node(kNodePlanes * area());
     for (size_t c = 0; c < fine.mean.size(); ++c) {
-      // u = coefficient / step, step^2 = price / (kPricePerStep2 * reference * samples).
-      const float per_step =
-          static_cast<float>(std::sqrt(fine.samples[c] * kPricePerStep2 * textures_.reference_importance / price_));
-      const float* mean = fine.mean[c].data();
-      const float* from = coarse ? coarse->mean[parent_of(*coarse, coarse_cell, fine, fine_cell, c)].data() : nullptr;
-      const float scale = static_cast<float>(weight / kPricePerStep2);
-      float step_cost = 0, step_bits = 0;
-      for (size_t i = 0; i < fine.mean[c].size(); ++i) {
-        const float u = std::fabs(mean[i] - (from ? from[i] : 0)) * per_step;
-        const float zero = scale * u * u;
-        if (u < 0.5f) {
-          step_cost += zero;
-          continue;
-        }
-        const float coded_bits = kBitsOfOne + 2 * std::max(0.0f, std::log2(u)), coded = scale / 12 + coded_bits;
-        step_cost += std::min(zero, coded);
-        if (coded < zero) step_bits += coded_bits;
-      }
-      cost += static_cast<double>(step_cost);
-      bits += static_cast<double>(step_bits);
+      const float* from = coarse ? coarse->mean[parent_of(*coarse, fine, c)].data() : nullptr;
+      for (size_t i = 0; i < node.size(); ++i) node[i] = fine.mean[c][i] - (from ? from[i] : 0);
+      add_node(node, fine.samples[c], scale, cost, bits);
     }
+  }
+
+  // `fine`: the halves, pairs of neighbours along an axis.
+  void add_differences(const CellMeans& fine, int axis, float scale, double& cost, double& bits) const {
+    size_t stride = 1;
+    for (size_t a = static_cast<size_t>(axis) + 1; a < kMaxAxes; ++a) stride *= static_cast<size_t>(fine.cells[a]);
+    const size_t along = static_cast<size_t>(fine.cells[static_cast<size_t>(axis)]);
+    std::vector<float> node(kNodePlanes * area());
+    for (size_t c = 0; c < fine.mean.size(); ++c) {
+      const size_t at = c / stride % along;
+      if (at % 2 != 0 || at + 1 == along) continue;
+      const std::vector<float>&first = fine.mean[c], &second = fine.mean[c + stride];
+      for (size_t i = 0; i < node.size(); ++i) node[i] = (first[i] - second[i]) / 2;
+      add_node(node, fine.samples[c] + fine.samples[c + stride], scale, cost, bits);
+    }
+  }
+
+  // What a node of these coefficients costs that makes so many samples, in units of the price of a bit.
+  // u = coefficient / step, step^2 = price / (kPricePerStep2 * reference * samples).
+  void add_node(const std::vector<float>& node, int samples, float scale, double& cost, double& bits) const {
+    const float per_step = static_cast<float>(std::sqrt(samples * kPricePerStep2 * textures_.reference_importance / price_));
+    float node_cost = 0, node_bits = 0;
+    for (const float value : node) {
+      const float u = std::fabs(value) * per_step, zero = scale * u * u;
+      if (u < 0.5f) {
+        node_cost += zero;
+        continue;
+      }
+      const float coded_bits = kBitsOfOne + 2 * std::max(0.0f, std::log2(u)), coded = scale / 12 + coded_bits;
+      node_cost += std::min(zero, coded);
+      if (coded < zero) node_bits += coded_bits;
+    }
+    cost += static_cast<double>(node_cost);
+    bits += static_cast<double>(node_bits);
   }
 
   const CellLattice& lattice_;
@@ -253,28 +308,89 @@ int64_t comparisons(const CellLattice& lattice, const BlockBox& box) {
   return total;
 }
 
-// The cheapest chain that ends in cells of one sample.
-std::vector<int> shortest_chain(const CellLattice& lattice, const std::vector<double>& cost) {
-  const size_t count = static_cast<size_t>(lattice.count());
-  std::vector<std::vector<double>> best(kMaxChain, std::vector<double>(count, kInfinity));
-  std::vector<std::vector<int>> from(kMaxChain, std::vector<int>(count, -1));
-  for (size_t p = 0; p < count; ++p) best[0][p] = cost[count * count + p];
-  for (size_t k = 1; k < kMaxChain; ++k) {
-    for (size_t fine = 0; fine < count; ++fine) {
-      for (size_t coarse = 0; coarse < count; ++coarse) {
-        if (!lattice.contains(static_cast<int>(coarse), static_cast<int>(fine))) continue;
-        const double total = best[k - 1][coarse] + cost[coarse * count + fine];
-        if (total < best[k][fine]) best[k][fine] = total, from[k][fine] = static_cast<int>(coarse);
-      }
+// The cheapest pyramid that ends in cells of one sample: a shortest path through the lattice, of so many levels at most.
+class PyramidSearch {
+ public:
+  PyramidSearch(const CellLattice& lattice, StepCosts& costs, PyramidKind kind)
+      : lattice_(lattice), costs_(costs), kind_(kind), count_(static_cast<size_t>(lattice.count())) {
+    best_[0].resize(count_);
+    for (int p = 0; p < lattice.count(); ++p)
+      best_[0][static_cast<size_t>(p)] = {costs.cost.top(p), -1, PyramidShape::kResiduals};
+    for (size_t k = 1; k < kMaxLevels; ++k) extend(k);
+  }
+
+  ShapeChoice choice() const {
+    size_t last = 0;
+    for (size_t k = 1; k < kMaxLevels; ++k)
+      if (best_[k][0].cost < best_[last][0].cost * kWorthALevel) last = k;
+    ShapeChoice result;
+    result.pyramid.level_count = static_cast<int>(last) + 1;
+    int point = 0;
+    for (size_t level = last + 1; level-- > 0;) {
+      const Arrival& arrival = best_[level][static_cast<size_t>(point)];
+      const bool differences = arrival.halved != PyramidShape::kResiduals;
+      result.pyramid.cell[level] = lattice_.cell(differences ? arrival.from : point);
+      result.pyramid.halved[level] = arrival.halved;
+      result.bits += level == 0    ? costs_.bits.top(point)
+                     : differences ? costs_.bits.differences(arrival.from, arrival.halved)
+                                   : costs_.bits.residuals(arrival.from, point);
+      point = arrival.from;
+    }
+    return result;
+  }
+
+ private:
+  static constexpr double kWorthALevel = 0.998;  // one more must be worth its decoding
+  struct Arrival {
+    double cost = kInfinity;
+    int from = -1;
+    int8_t halved = PyramidShape::kResiduals;
+  };
+
+  void extend(size_t k) {
+    best_[k].resize(count_);
+    for (int coarse = 0; coarse < lattice_.count(); ++coarse) {
+      for (int fine = 0; fine < lattice_.count(); ++fine)
+        if (allowed(coarse, fine)) arrive(k, coarse, fine, costs_.cost.residuals(coarse, fine), PyramidShape::kResiduals);
+      for (int axis = 0; axis < lattice_.axes() && kind_ == PyramidKind::kBest; ++axis)
+        if (const int fine = lattice_.halved(coarse, axis); fine >= 0)
+          arrive(k, coarse, fine, costs_.cost.differences(coarse, axis), static_cast<int8_t>(axis));
     }
   }
-  size_t length = 0;
-  for (size_t k = 1; k < kMaxChain; ++k) {
-    if (best[k][0] < best[length][0] * 0.998) length = k;  // one more level must be worth its decoding
+
+  void arrive(size_t k, int coarse, int fine, double cost, int8_t halved) {
+    const double total = best_[k - 1][static_cast<size_t>(coarse)].cost + cost;
+    Arrival& best = best_[k][static_cast<size_t>(fine)];
+    if (total < best.cost) best = {total, coarse, halved};
   }
-  std::vector<int> chain{0};
-  for (size_t k = length; k > 0; --k) chain.insert(chain.begin(), from[k][static_cast<size_t>(chain.front())]);
-  return chain;
+
+  // The isotropic pyramid halves all axes that it can.
+  bool allowed(int coarse, int fine) const {
+    if (!lattice_.contains(coarse, fine)) return false;
+    if (kind_ != PyramidKind::kIsotropic) return true;
+    const AxisSizes c = lattice_.cell(coarse), f = lattice_.cell(fine);
+    for (size_t a = 0; a < static_cast<size_t>(lattice_.axes()); ++a)
+      if (f[a] != std::max(c[a] / 2, 1)) return false;
+    return true;
+  }
+
+  const CellLattice& lattice_;
+  StepCosts& costs_;
+  PyramidKind kind_;
+  size_t count_;
+  std::array<std::vector<Arrival>, kMaxLevels> best_;
+};
+
+// Adds what the tables of nodes take: `table_bits` for every node.
+void add_tables(const CellLattice& lattice, const FieldShape& shape, double table_bits, Steps& cost) {
+  for (int p = 0; p < lattice.count(); ++p) {
+    double nodes = 1;
+    for (int a = 0; a < lattice.axes(); ++a)
+      nodes *= shape.block_size[static_cast<size_t>(a)] / lattice.cell(p)[static_cast<size_t>(a)];
+    cost.top(p) += table_bits * nodes;
+    for (int coarse = 0; coarse < lattice.count(); ++coarse) cost.residuals(coarse, p) += table_bits * nodes;
+    for (int a = 0; a < lattice.axes(); ++a) cost.differences(p, a) += table_bits * nodes;
+  }
 }
 
 // The block with most samples, the first of them.
@@ -288,10 +404,9 @@ int largest_block(const FieldShape& shape) {
 
 }  // namespace
 
-ShapeChoice choose_pyramid(const FieldShape& shape, const FieldTextures& textures, double price, double table_bits,
-                           int64_t work) {
+ShapeChoice choose_pyramid(const FieldShape& shape, const FieldTextures& textures, PyramidKind kind, double price,
+                           double table_bits, int64_t work) {
   const CellLattice lattice(shape);
-  const size_t count = static_cast<size_t>(lattice.count());
   const int block = largest_block(shape);
   const BlockBox box = box_of(shape, block);
   const std::vector<float>& importance = textures.weights_of(block).cell_importance;
@@ -300,29 +415,15 @@ ShapeChoice choose_pyramid(const FieldShape& shape, const FieldTextures& texture
   const auto tiles =
       choose_tiles(textures, importance, 1 << log2, static_cast<size_t>(std::clamp<int64_t>(work / per_tile, 2, 48)));
   const TileAnalysis analysis(lattice, shape, textures, importance, log2, price);
-  std::vector<std::vector<double>> costs(tiles.size(), std::vector<double>((count + 1) * count, 0)), bits = costs;
+  std::vector<StepCosts> of_tile(tiles.size(), StepCosts(lattice));
   tbb::parallel_for(size_t{0}, tiles.size(),
-                    [&](size_t t) { analysis.add(box, tiles[t].first, tiles[t].second, costs[t], bits[t]); });
-  std::vector<double> cost((count + 1) * count, 0), bit(cost);
-  for (size_t t = 0; t < tiles.size(); ++t) {
-    for (size_t i = 0; i < cost.size(); ++i) cost[i] += costs[t][i], bit[i] += bits[t][i];
-  }
+                    [&](size_t t) { of_tile[t] = analysis.costs_of(box, tiles[t].first, tiles[t].second); });
+  StepCosts costs(lattice);
+  for (const StepCosts& own : of_tile) costs.cost.add(own.cost), costs.bits.add(own.bits);
   const double texels = static_cast<double>(textures.width) * textures.height,
                share = static_cast<double>(tiles.size() << (2 * log2)) / texels;
-  for (size_t i = 0; i < cost.size(); ++i) {
-    const AxisSizes cell = lattice.cell(static_cast<int>(i % count));
-    double cells = 1;
-    for (int a = 0; a < shape.space.axis_count; ++a)
-      cells *= shape.block_size[static_cast<size_t>(a)] / cell[static_cast<size_t>(a)];
-    cost[i] += share * table_bits * cells;
-  }
-  const std::vector<int> chain = shortest_chain(lattice, cost);
-  ShapeChoice choice;
-  choice.pyramid.level_count = static_cast<int>(chain.size());
-  for (size_t l = 0; l < chain.size(); ++l) {
-    choice.pyramid.cell[l] = lattice.cell(chain[l]);
-    choice.bits += bit[(l > 0 ? static_cast<size_t>(chain[l - 1]) : count) * count + static_cast<size_t>(chain[l])];
-  }
+  add_tables(lattice, shape, share * table_bits, costs.cost);
+  ShapeChoice choice = PyramidSearch(lattice, costs, kind).choice();
   choice.bits *= shape.block_count() / std::max(share, 1e-9);
   return choice;
 }

@@ -170,6 +170,7 @@ class Linker {
       out.block_size.push_back(shape.block_size[a]);
       out.stagger.push_back(shape.stagger[a]);
     }
+    for (int level = 0; level < shape.pyramid.level_count; ++level) out.halved.push_back(shape.pyramid.halved[level]);
     for (int level = 0; level < shape.pyramid.level_count; ++level)
       for (int a = 0; a < shape.space.axis_count; ++a) out.cells.push_back(shape.pyramid.cell[level][a]);
   }

@@ -11,6 +11,34 @@
 namespace vitrine {
 namespace {
 
+// Halves axes in turn, from where the levels so far resolve.
+void append_differences(FieldShape& shape, std::mt19937& random) {
+  PyramidShape& pyramid = shape.pyramid;
+  while (pyramid.level_count < kMaxLevels && random() % 4 != 0) {
+    const int last = pyramid.level_count - 1, axis = static_cast<int>(random() % static_cast<unsigned>(shape.space.axis_count));
+    if (pyramid.resolved(last, axis) < 2) continue;
+    AxisSizes& cell = pyramid.cell[static_cast<size_t>(pyramid.level_count)];
+    for (int a = 0; a < shape.space.axis_count; ++a)
+      cell[static_cast<size_t>(a)] = static_cast<uint8_t>(pyramid.resolved(last, a));
+    pyramid.halved[static_cast<size_t>(pyramid.level_count++)] = static_cast<int8_t>(axis);
+  }
+}
+
+// A few levels of differences below the top, then residuals down to cells of one.
+FieldShape random_shape_with_differences(std::mt19937& random) {
+  FieldShape shape;
+  shape.space.axis_count = 1 + static_cast<int>(random() % 3);
+  for (int a = 0; a < shape.space.axis_count; ++a) {
+    shape.space.axes[a].samples = 1 + static_cast<int>(random() % 14);
+    shape.block_size[a] = shape.pyramid.cell[0][a] = 8;
+    shape.stagger[a] = static_cast<uint8_t>(random() % 8);
+  }
+  append_differences(shape, random);
+  for (int a = 0; a < shape.space.axis_count; ++a) shape.pyramid.cell[static_cast<size_t>(shape.pyramid.level_count)][a] = 1;
+  if (shape.pyramid.level_count < kMaxLevels) ++shape.pyramid.level_count;
+  return shape;
+}
+
 FieldShape random_shape(std::mt19937& random) {
   FieldShape shape;
   const auto below = [&](int n) { return static_cast<int>(random() % static_cast<unsigned>(n)); };
@@ -73,6 +101,62 @@ TEST(Block, CellsAreNoLargerThanTheirLevelSays) {
         ASSERT_LE(box.last[a] - box.first[a] + 1, shape.pyramid.cell[shape.level_of(node)][a]);
     }
   }
+}
+
+TEST(Block, DifferencesAreAddedToTheFirstHalfOfTheirCellAndSubtractedFromTheSecond) {
+  std::mt19937 random(3);
+  for (int trial = 0; trial < 60; ++trial) {
+    const FieldShape shape = random_shape_with_differences(random);
+    ASSERT_TRUE(shape.valid());
+    for (int level = 0; level < shape.pyramid.level_count; ++level)
+      for (int64_t flat = 0; flat < shape.space.sample_count(); ++flat) {
+        const GridIndex sample = shape.space.index_from_flat(flat);
+        if (!shape.pyramid.has_differences(level)) {
+          ASSERT_FALSE(shape.subtracts(sample, level));
+          continue;
+        }
+        const int axis = shape.pyramid.halved[static_cast<size_t>(level)], width = shape.pyramid.cell[level][axis];
+        GridIndex partner = sample;
+        const bool second = (sample[axis] + shape.stagger[axis]) % width >= width / 2;
+        partner[axis] += second ? -width / 2 : width / 2;
+        EXPECT_EQ(shape.subtracts(sample, level), second);
+        if (partner[axis] < 0 || partner[axis] >= shape.space.axes[axis].samples) continue;
+        EXPECT_EQ(shape.node_of(sample, level), shape.node_of(partner, level));
+        EXPECT_NE(shape.subtracts(sample, level), shape.subtracts(partner, level));
+      }
+  }
+}
+
+TEST(Block, PyramidsWhoseDifferencesFitNoCellAreRefused) {
+  FieldShape shape;
+  shape.space.axis_count = 2;
+  shape.space.axes[0].samples = shape.space.axes[1].samples = 8;
+  shape.block_size = {8, 8};
+  shape.pyramid.level_count = 3;
+  shape.pyramid.cell = {AxisSizes{8, 1}, AxisSizes{8, 1}, AxisSizes{1, 1}};
+  shape.pyramid.halved = {PyramidShape::kResiduals, 0, PyramidShape::kResiduals};
+  ASSERT_TRUE(shape.valid());
+  FieldShape broken = shape;
+  broken.pyramid.halved[0] = 0;  // the top
+  EXPECT_FALSE(broken.valid());
+  broken = shape;
+  broken.pyramid.halved[1] = 2;  // no such axis
+  EXPECT_FALSE(broken.valid());
+  broken.pyramid.halved[1] = -2;
+  EXPECT_FALSE(broken.valid());
+  broken = shape;
+  broken.pyramid.halved[1] = 1;  // cells of one sample
+  EXPECT_FALSE(broken.valid());
+  broken = shape;
+  broken.pyramid.cell[1] = {4, 1};  // not what the top resolves
+  EXPECT_FALSE(broken.valid());
+  broken = shape;
+  broken.pyramid.cell[2] = {8, 1};  // larger than what is resolved
+  EXPECT_FALSE(broken.valid());
+  broken = shape;
+  broken.pyramid.halved[2] = 0;
+  broken.pyramid.cell[2] = {4, 1};  // ends with cells of two
+  EXPECT_FALSE(broken.valid());
 }
 
 TEST(Block, TheStaggerShortensTheFirstBlock) {

@@ -36,16 +36,16 @@ std::vector<int16_t> random_node(size_t values, uint32_t seed) {
   return node;
 }
 
-TEST(Compose, EqualsThePlainSumOfSamplesLevelsAndMips) {
+TEST(Compose, EqualsThePlainSumOfSamplesSignedLevelsAndMips) {
   const RadianceTable radiance = make_radiance_table();
   const int w = 37, h = 22;
   const size_t texels = static_cast<size_t>(w * h);
   std::vector<std::vector<int16_t>> nodes;
   for (uint32_t n = 0; n < 6; ++n) nodes.push_back(random_node(3 * texels, n));
-  const LeafTerm terms[] = {{{nodes[0].data(), nodes[1].data(), nodes[2].data()}, 3, 0.25f},
-                            {{nodes[3].data()}, 1, 0.75f},
-                            {{nodes[4].data(), nodes[5].data()}, 2, 1.0f},
-                            {{}, 0, 1.0f}};
+  const LeafTerm terms[] = {{{nodes[0].data(), nodes[1].data(), nodes[2].data()}, {false, true, false}, 3, 0.25f},
+                            {{nodes[3].data()}, {}, 1, 0.75f},
+                            {{nodes[4].data(), nodes[5].data()}, {false, true}, 2, 1.0f},
+                            {{}, {}, 0, 1.0f}};
   std::vector<float> scratch(compose_scratch_floats(w, h));
   std::vector<uint16_t> out(4 * texels_with_mips(w, h));
   compose_texture(terms, w, h, radiance, scratch, out);
@@ -55,7 +55,8 @@ TEST(Compose, EqualsThePlainSumOfSamplesLevelsAndMips) {
     for (size_t i = 0; i < texels; ++i) {
       int sum[3] = {0, 0, 0};
       for (int l = 0; l < term.count; ++l)
-        for (size_t p = 0; p < 3; ++p) sum[p] += term.planes[static_cast<size_t>(l)][p * texels + i];
+        for (size_t p = 0; p < 3; ++p)
+          sum[p] += (term.subtracted[static_cast<size_t>(l)] ? -1 : 1) * term.planes[static_cast<size_t>(l)][p * texels + i];
       const RgbCode code = rgb_from_ycocg({sum[0], sum[1], sum[2]});
       rgb[0][i] += term.weight * radiance[static_cast<size_t>(std::clamp(code.r, 0, kCodeMax))];
       rgb[1][i] += term.weight * radiance[static_cast<size_t>(std::clamp(code.g, 0, kCodeMax))];
