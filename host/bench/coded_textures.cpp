@@ -21,9 +21,11 @@ constexpr int kTimedAccesses = 8;
 
 // What is compared. A further way of coding is a further line.
 const TextureCoder kTextureCoders[] = {
-    {.name = "pyramid DCT"},
-    {.name = "pyramid DCT, as compiled", .attention = Attention::kObjects},
-    {.name = "pyramid DCT, layers combined", .layers = Layers::kCombined},
+    {.name = "lifting or pyramid, DCT"},
+    {.name = "the same, as compiled", .attention = Attention::kObjects},
+    {.name = "the same, layers combined", .layers = Layers::kCombined},
+    {.name = "pyramid, DCT", .options = {.pyramid = PyramidKind::kResiduals}},
+    {.name = "pyramid, DCT, not adaptive", .options = {.pyramid = PyramidKind::kIsotropic}},
 };
 
 // An image where a file would be mapped.
