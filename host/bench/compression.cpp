@@ -67,6 +67,7 @@ class Contestants {
     const auto inference = find_inference(scene_, store_, profile_.supersampling, profile_.filter, progress_);
     if (!inference) throw InputError("work folder", "a frame is gone", "run the same command again");
     describe(*inference);
+    report_.inferred_psnr_db = inferred_psnr(*inference);
     measure_ours(*inference);
     if (options_.videos) measure_videos(*inference);
     for (CompressionSeries& series : report_.series) finish(series);
@@ -122,7 +123,6 @@ class Contestants {
     const std::vector<FieldSource> sources = field_sources(scene_, inference, store_, Attention::kPixels);
     const TexturePictureSet textures(inference, sources, progress_);
     TextureDrawer drawer(scene_, inference, inference_options(scene_, profile_.supersampling, profile_.filter));
-    report_.inferred_psnr_db = inferred_psnr(inference, drawer);
     for (size_t i = 0; i < all.size(); ++i) {
       report_.series.push_back(std::move(views[i].series));
       if (!all[i].coder->random.empty())
@@ -133,7 +133,8 @@ class Contestants {
     progress_.end();
   }
 
-  double inferred_psnr(const Inference& inference, TextureDrawer& drawer) {
+  double inferred_psnr(const Inference& inference) {
+    TextureDrawer drawer(scene_, inference, inference_options(scene_, profile_.supersampling, profile_.filter));
     double error = 0;
     for (size_t sample = 0; sample < truth_.size(); ++sample) {
       progress_.advance(0);

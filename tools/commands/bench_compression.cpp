@@ -75,9 +75,8 @@ void print_report(const CompressionReport& report) {
     }
     print_lead(lead_of(report, t));
   }
-  fmt::print("what the video coders were best with\n");
   for (const CompressionSeries& series : report.series)
-    if (series.kind != CoderKind::kVitrine) fmt::print("  {:<32} {}\n", series.coder, series.rows[0].settings);
+    if (series.kind != CoderKind::kVitrine) fmt::print("{} was best with {}\n", series.coder, series.rows[0].settings);
 }
 
 }  // namespace
