@@ -10,7 +10,7 @@ import json, os, shutil, subprocess, sys, tempfile
 
 vitrine = os.path.join(sys.argv[1], "vitrine")
 KEYS = {"coder", "ratio_target", "ratio", "psnr_db", "decodes_per_access", "decode_ms", "scene", "bytes"}
-RATIOS = (20, 40)
+RATIOS, CODERS = (8, 12), "svt-av1,mpeg4"
 
 
 def check(condition, what):
@@ -19,7 +19,7 @@ def check(condition, what):
 
 
 def bench(scene, work, *options):
-    command = [vitrine, "bench", "compression", scene, "--size", "96x72", "--noise", "20", "--samples", "3", "--work", work, *options]
+    command = [vitrine, "bench", "compression", scene, "--size", "96x72", "--noise", "20", "--samples", "3", "--coders", CODERS, "--work", work, *options]
     return subprocess.run(command, capture_output=True, text=True, timeout=550)
 
 
