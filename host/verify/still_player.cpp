@@ -21,7 +21,8 @@ Picture read_screen(hal::Gpu& gpu) {
   require(gpu.read_pixels({}, hal::TextureFormat::kRgba8, rgba), "OSMesa");
   for (int y = picture.height - 1; y >= 0; --y)
     for (int x = 0; x < picture.width; ++x)
-      for (int c = 0; c < 3; ++c) picture.rgb.push_back(static_cast<uint8_t>(rgba[(static_cast<size_t>(y) * picture.width + x) * 4 + c]));
+      for (int c = 0; c < 3; ++c)
+        picture.rgb.push_back(static_cast<uint8_t>(rgba[(static_cast<size_t>(y) * picture.width + x) * 4 + c]));
   return picture;
 }
 
