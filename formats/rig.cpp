@@ -48,7 +48,8 @@ glm::vec4 cubic(const RigTrack& track, size_t key, float t, float width) {
   return v0 * (2 * t3 - 3 * t2 + 1) + out * (width * (t3 - 2 * t2 + t)) + v1 * (3 * t2 - 2 * t3) + in * (width * (t3 - t2));
 }
 
-// Held before the first and after the last key.
+}  // namespace
+
 glm::vec4 sample_track(const RigTrack& track, float position) {
   const bool spline = track.interpolation == Interpolation::kCubicSpline;
   const auto value_of_key = [&](size_t key) { return read_value(track, spline ? 3 * key + 1 : key); };
@@ -59,6 +60,8 @@ glm::vec4 sample_track(const RigTrack& track, float position) {
   const float width = *after - track.positions[key], t = (position - track.positions[key]) / width;
   return spline ? cubic(track, key, t, width) : mix(track, value_of_key(key), value_of_key(key + 1), t);
 }
+
+namespace {
 
 // T * R * S, with the rotation made unit first.
 glm::mat4 matrix_from_packed(const glm::mat4& packed) {

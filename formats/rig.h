@@ -10,6 +10,7 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
 
 #include "formats/parameter_space.h"
 
@@ -38,6 +39,9 @@ struct RigTrack {
   // out-tangent; tangents already scaled to positions, not seconds).
   std::span<const float> values;
 };
+
+// The value at a position along its axis, held before the first key and after the last: x, y, z and for rotations w.
+glm::vec4 sample_track(const RigTrack& track, float position);
 
 struct Rig {
   std::span<const RigNode> nodes;

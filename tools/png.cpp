@@ -20,14 +20,19 @@ std::vector<uint8_t> rgb_from_read_back(int width, int height, std::span<const u
   return rgb;
 }
 
-Status write_png(const std::string& path, int width, int height, std::span<const uint8_t> rgb) {
+std::vector<std::byte> png_of(int width, int height, std::span<const uint8_t> rgb) {
   std::vector<std::byte> file;
   const auto append = [](void* to, void* data, int size) {
     const auto* bytes = static_cast<const std::byte*>(data);
     static_cast<std::vector<std::byte>*>(to)->insert(static_cast<std::vector<std::byte>*>(to)->end(), bytes, bytes + size);
   };
-  if (!stbi_write_png_to_func(append, &file, width, height, 3, rgb.data(), 3 * width))
-    return {StatusCode::kOutOfMemory, "the picture cannot be coded as PNG"};
+  if (!stbi_write_png_to_func(append, &file, width, height, 3, rgb.data(), 3 * width)) file.clear();
+  return file;
+}
+
+Status write_png(const std::string& path, int width, int height, std::span<const uint8_t> rgb) {
+  const std::vector<std::byte> file = png_of(width, height, rgb);
+  if (file.empty()) return {StatusCode::kOutOfMemory, "the picture cannot be coded as PNG"};
   return hal::write_file_atomically(path.c_str(), file);
 }
 

@@ -2,6 +2,7 @@
 #include "host/bench/frozen_scene.h"
 
 #include <algorithm>
+#include <array>
 
 #include "host/base/error.h"
 #include "host/infer/fields.h"
@@ -20,17 +21,29 @@ void check_rigid(const Scene& scene) {
 
 bool moves_between_samples(const Axis& axis) { return axis.shape.kind != AxisKind::kDiscrete && axis.shape.samples > 1; }
 
-// Keeps of what is switched by an axis the value at a sample.
-template <typename Emitter>
-void keep_value(Emitter& emitter, const GridIndex& sample) {
-  if (emitter.emission_axis < 0) return;
-  const auto index = static_cast<size_t>(sample[static_cast<size_t>(emitter.emission_axis)]);
-  emitter.emission_of_value = {emitter.emission_of_value[index]};
+// Consecutive samples of an axis.
+struct AxisPart {
+  int first = 0, count = 1;
+};
+using GridPart = std::array<AxisPart, kMaxAxes>;
+
+template <typename Value>
+std::vector<Value> kept(const std::vector<Value>& values, const AxisPart& part) {
+  return {values.begin() + part.first, values.begin() + part.first + part.count};
 }
 
-void keep_variant(Object& object, int variant) {
-  if (variant < 0 || object.variant_materials.empty()) return;
-  object.variant_materials = {std::vector<int>(object.variant_materials[static_cast<size_t>(variant)])};
+// Keeps of what is switched by axes the values at a part of the grid.
+void keep_values(Scene& scene, const GridPart& parts) {
+  const auto keep = [&](auto& emitter) {
+    if (emitter.emission_axis >= 0)
+      emitter.emission_of_value = kept(emitter.emission_of_value, parts[static_cast<size_t>(emitter.emission_axis)]);
+  };
+  for (Light& light : scene.lights) keep(light);
+  for (Object& object : scene.objects) {
+    keep(object);
+    if (scene.variant_axis >= 0 && !object.variant_materials.empty())
+      object.variant_materials = kept(object.variant_materials, parts[static_cast<size_t>(scene.variant_axis)]);
+  }
 }
 
 }  // namespace
@@ -40,6 +53,11 @@ Position middle_position(const Scene& scene) {
   GridIndex index{};
   for (size_t a = 0; a < scene.axes.size(); ++a) index[a] = (scene.axes[a].shape.samples - 1) / 2;
   return space.position_of(index);
+}
+
+int64_t middle_sample(const Scene& scene) {
+  const ParameterSpace space = scene.space();
+  return space.flat_from_index(space.nearest_sample(middle_position(scene)));
 }
 
 std::optional<Position> half_step_on(const Scene& scene, const Position& sample) {
@@ -69,31 +87,29 @@ Scene frozen_at(const Scene& scene, const Position& position) {
     frozen.nodes[n] = RigNode{};
     frozen.nodes[n].matrix = pose.world_from_node[n];
   }
-  for (Object& object : frozen.objects) {
-    keep_value(object, sample);
-    keep_variant(object, pose.variant);
-  }
-  for (Light& light : frozen.lights) keep_value(light, sample);
+  GridPart parts{};
+  for (size_t a = 0; a < scene.axes.size(); ++a) parts[a].first = sample[a];
+  keep_values(frozen, parts);
   for (Axis& axis : frozen.axes) axis.shape = {AxisKind::kLinear, 1};
   return frozen;
 }
 
 namespace {
 
-// Positions p of an axis become scale * (p - first).
-struct AxisPart {
-  float first = 0, scale = 1;
-};
-
-RigTrack part_of(const RigTrack& track, const AxisPart& part, std::vector<std::vector<float>>& data) {
-  RigTrack result = track;
-  std::vector<float> positions(track.positions.begin(), track.positions.end()), values(track.values.begin(), track.values.end());
-  for (float& position : positions) position = part.scale * (position - part.first);
-  if (track.interpolation == Interpolation::kCubicSpline) {  // in-tangent, value, out-tangent: slopes over positions
-    const size_t width = values.size() / positions.size() / 3;
-    for (size_t i = 0; i < values.size(); ++i)
-      if (i / width % 3 != 1) values[i] /= part.scale;
+// What a track says at the samples of a part of its axis; between them it goes straight.
+RigTrack part_of(const RigTrack& track, const Scene& whole, const Scene& part, int first, std::vector<std::vector<float>>& data) {
+  const auto axis = static_cast<size_t>(track.axis);
+  const int width = track.path == TrackPath::kRotation ? 4 : 3;
+  std::vector<float> positions, values;
+  for (GridIndex index{}; index[axis] < part.axes[axis].shape.samples; ++index[axis]) {
+    GridIndex original{};
+    original[axis] = first + index[axis];
+    const glm::vec4 value = sample_track(track, whole.space().position_of(original)[axis]);
+    positions.push_back(part.space().position_of(index)[axis]);
+    for (int i = 0; i < width; ++i) values.push_back(value[i]);
   }
+  RigTrack result = track;
+  if (track.interpolation == Interpolation::kCubicSpline) result.interpolation = Interpolation::kLinear;
   data.push_back(std::move(positions));
   result.positions = data.back();
   data.push_back(std::move(values));
@@ -103,37 +119,33 @@ RigTrack part_of(const RigTrack& track, const AxisPart& part, std::vector<std::v
 
 }  // namespace
 
-Scene middle_run(const Scene& scene, int samples) {
+Scene middle_part(const Scene& scene, std::span<const int> samples) {
   check_rigid(scene);
-  const Position middle = middle_position(scene);
-  const GridIndex sample = scene.space().nearest_sample(middle);
-  const AxisMask camera = only_camera_axes(scene);
-  Scene run = scene;
-  std::vector<AxisPart> parts;
-  bool kept = false;
+  Scene part = scene;
+  GridPart parts{};
   for (size_t a = 0; a < scene.axes.size(); ++a) {
-    AxisShape& shape = run.axes[a].shape;
-    const int steps = shape.kind == AxisKind::kPeriodic ? shape.samples : shape.samples - 1,
-              count = std::min(samples, shape.samples);
-    parts.push_back({middle[a], 1});
-    if (!kept && (camera >> a & 1) && moves_between_samples(scene.axes[a]) && count > 1) {
-      const auto all = static_cast<float>(steps);
-      parts.back() = {static_cast<float>((shape.samples - count) / 2) / all, all / static_cast<float>(count - 1)};
-      shape = {AxisKind::kLinear, count};
-      kept = true;
-    } else {
-      shape = {AxisKind::kLinear, 1};
+    AxisShape& shape = part.axes[a].shape;
+    const int all = shape.samples, count = std::clamp(samples[a], 1, all);
+    parts[a] = {(all - count) / 2, count};
+    if (count < all) shape = {shape.kind == AxisKind::kDiscrete ? AxisKind::kDiscrete : AxisKind::kLinear, count};
+  }
+  part.track_data.clear();
+  part.track_data.reserve(2 * scene.tracks.size());
+  for (RigTrack& track : part.tracks) track = part_of(track, scene, part, parts[track.axis].first, part.track_data);
+  keep_values(part, parts);
+  return part;
+}
+
+Scene middle_run(const Scene& scene, int samples) {
+  const AxisMask camera = only_camera_axes(scene);
+  std::array<int, kMaxAxes> counts;
+  counts.fill(1);
+  for (size_t a = 0; a < scene.axes.size(); ++a)
+    if ((camera >> a & 1) && moves_between_samples(scene.axes[a])) {
+      counts[a] = samples;
+      break;
     }
-  }
-  run.track_data.clear();
-  run.track_data.reserve(2 * scene.tracks.size());
-  for (RigTrack& track : run.tracks) track = part_of(track, parts[track.axis], run.track_data);
-  for (Object& object : run.objects) {
-    keep_value(object, sample);
-    keep_variant(object, pose_scene(scene, middle).variant);
-  }
-  for (Light& light : run.lights) keep_value(light, sample);
-  return run;
+  return middle_part(scene, counts);
 }
 
 }  // namespace vitrine

@@ -141,45 +141,6 @@ FieldSource field_source(const Scene& scene, const Inference& inference, int num
   return source;
 }
 
-struct BuiltImage {
-  std::vector<std::byte> bytes;
-  std::vector<std::string> misfits;  // what the profile does not provide for
-  uint64_t field_bytes = 0;          // EncodedField::bytes of all fields
-};
-
-// Encodes for `field_bytes`, plans and links.
-BuiltImage build_image(const Scene& scene, const Inference& inference, const Store& store, const Profile& profile,
-                       uint64_t field_bytes, Progress& progress) {
-  std::vector<FieldSource> sources;
-  for (size_t f = 0; f < inference.fields.size(); ++f)
-    sources.push_back(field_source(scene, inference, static_cast<int>(f), store));
-  const std::vector<EncodedField> encoded = encode_fields(sources,
-                                                          {.coder = scene.settings.codec,
-                                                           .worst_object = static_cast<double>(scene.settings.worst_object),
-                                                           .target_bytes = field_bytes},
-                                                          progress);
-
-  std::vector<PlannedField> planned;
-  for (size_t f = 0; f < encoded.size(); ++f)
-    planned.push_back({inference.fields[f].axes, &encoded[f], sources[f].width, sources[f].height});
-  std::vector<float> speeds;
-  for (const Axis& axis : scene.axes) speeds.push_back(axis.max_speed);
-
-  LinkInput input;
-  input.scene = &scene;
-  input.width = scene.settings.width;
-  input.height = scene.settings.height;
-  input.supersampling = profile.supersampling;
-  input.filter = profile.filter;
-  input.frames_key = frames_key(frame_keys(scene));
-  input.inference = &inference;
-  input.encoded = &encoded;
-  input.plan = make_plan(scene.space(), speeds, planned, scene.settings.interpolate, profile);
-  BuiltImage image{link_image(input), misfits(input.plan, profile), 0};
-  for (const EncodedField& field : encoded) image.field_bytes += field.bytes();
-  return image;
-}
-
 // What an image holds beside the coded fields (meshes, rig, directory), as a first guess: build_to_size corrects it.
 uint64_t guessed_overhead(const Inference& inference) {
   uint64_t bytes = 4096;
@@ -190,12 +151,13 @@ uint64_t guessed_overhead(const Inference& inference) {
 // An image of at most `bytes`, and at least 98.5 % of them where the fields have that much to say.
 BuiltImage build_to_size(const Scene& scene, const Inference& inference, const Store& store, const Profile& profile,
                          uint64_t bytes, Progress& progress) {
+  const std::vector<FieldSource> sources = field_sources(scene, inference, store);
   constexpr int kAttempts = 3;
   int64_t overhead = static_cast<int64_t>(guessed_overhead(inference));
   for (int attempt = 1;; ++attempt) {
     const auto for_fields =
         static_cast<uint64_t>(std::max(static_cast<int64_t>(bytes) - overhead, static_cast<int64_t>(bytes / 16)));
-    BuiltImage image = build_image(scene, inference, store, profile, for_fields, progress);
+    BuiltImage image = build_image(scene, inference, encode_fields(sources, encode_options(scene, for_fields), progress), profile);
     const bool fits = image.bytes.size() <= bytes, full = image.bytes.size() * 1000 >= bytes * 985;
     const bool satisfied = image.field_bytes * 1000 < for_fields * 985;  // the fields had no more to say
     if (fits && (full || satisfied || attempt >= kAttempts)) return image;
@@ -228,6 +190,10 @@ TraceOptions trace_options(const Scene& scene) {
 
 std::vector<StoreKey> frame_keys(const Scene& scene) { return keys_of(frames_at(scene, grid_positions(scene))); }
 
+int64_t trace_missing(const Scene& scene, const Store& store, Progress& progress) {
+  return render_missing(scene, traced_frames(scene), store, progress);
+}
+
 uint64_t frames_key(const std::vector<StoreKey>& keys) {
   KeyBuilder all;
   for (const StoreKey& key : keys) all.text(key.hex());
@@ -254,6 +220,45 @@ std::optional<Inference> find_inference(const Scene& scene, const Store& store, 
 
 CodedPlanes coded_texture(const Store& store, const Field& field, int64_t sample) {
   return coded_planes(load_field_texture(store, field, sample));
+}
+
+std::vector<FieldSource> field_sources(const Scene& scene, const Inference& inference, const Store& store) {
+  std::vector<FieldSource> sources;
+  for (size_t f = 0; f < inference.fields.size(); ++f)
+    sources.push_back(field_source(scene, inference, static_cast<int>(f), store));
+  return sources;
+}
+
+EncodeOptions encode_options(const Scene& scene, uint64_t target_bytes) {
+  EncodeOptions options;
+  options.coder = scene.settings.codec;
+  options.worst_object = static_cast<double>(scene.settings.worst_object);
+  options.target_bytes = target_bytes;
+  return options;
+}
+
+BuiltImage build_image(const Scene& scene, const Inference& inference, const std::vector<EncodedField>& encoded,
+                       const Profile& profile) {
+  std::vector<PlannedField> planned;
+  for (size_t f = 0; f < encoded.size(); ++f)
+    planned.push_back(
+        {inference.fields[f].axes, &encoded[f], inference.fields[f].texture_width, inference.fields[f].texture_height});
+  std::vector<float> speeds;
+  for (const Axis& axis : scene.axes) speeds.push_back(axis.max_speed);
+
+  LinkInput input;
+  input.scene = &scene;
+  input.width = scene.settings.width;
+  input.height = scene.settings.height;
+  input.supersampling = profile.supersampling;
+  input.filter = profile.filter;
+  input.frames_key = frames_key(frame_keys(scene));
+  input.inference = &inference;
+  input.encoded = &encoded;
+  input.plan = make_plan(scene.space(), speeds, planned, scene.settings.interpolate, profile);
+  BuiltImage image{link_image(input), misfits(input.plan, profile), 0};
+  for (const EncodedField& field : encoded) image.field_bytes += field.bytes();
+  return image;
 }
 
 CompileReport compile_scene(const Scene& scene, const CompileOptions& options, Progress& progress) {

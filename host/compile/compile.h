@@ -16,6 +16,7 @@
 #include "host/encode/encode.h"
 #include "host/frames/store.h"
 #include "host/infer/inference.h"
+#include "host/plan/plan.h"
 #include "host/scene/scene.h"
 
 namespace vitrine {
@@ -37,9 +38,11 @@ struct CompileReport {
 // Writes options.image. Throws InputError or Interrupted; then the image is untouched.
 CompileReport compile_scene(const Scene& scene, const CompileOptions& options, Progress& progress);
 
-// The parts that verification shares.
+// The parts that verification and benchmarks share.
 TraceOptions trace_options(const Scene& scene);
 std::vector<StoreKey> frame_keys(const Scene& scene);  // of all grid samples
+// Traces what compile_scene would and the store lacks; returns how many frames that were. Throws Interrupted.
+int64_t trace_missing(const Scene& scene, const Store& store, Progress& progress);
 // One number for the frames of the grid; images carry it.
 uint64_t frames_key(const std::vector<StoreKey>& keys);
 InferenceOptions inference_options(const Scene& scene, int supersampling, SurfaceFilter filter = SurfaceFilter::kTrilinear);
@@ -50,6 +53,19 @@ std::optional<Inference> find_inference(const Scene& scene, const Store& store, 
 
 // A texture of a field, `sample` flat in its own space, as the coder gets it. Throws InputError where the store has it no more.
 CodedPlanes coded_texture(const Store& store, const Field& field, int64_t sample);
+// The inferred fields as the coder takes them. They refer to `inference` and `store`.
+std::vector<FieldSource> field_sources(const Scene& scene, const Inference& inference, const Store& store);
+// As the scene asks for them to be coded, in so many bytes.
+EncodeOptions encode_options(const Scene& scene, uint64_t target_bytes);
+
+struct BuiltImage {
+  std::vector<std::byte> bytes;
+  std::vector<std::string> misfits;  // what the profile does not provide for
+  uint64_t field_bytes = 0;          // EncodedField::bytes of all fields
+};
+// Plans and links. `encoded`: of field_sources(), in the same order.
+BuiltImage build_image(const Scene& scene, const Inference& inference, const std::vector<EncodedField>& encoded,
+                       const Profile& profile);
 
 // Bytes of the whole image that a storage setting asks for. Throws InputError (named `source`) for one that says nothing.
 // "N:1": raw bytes / N. "X KB/block": X times the number of 8-sample blocks of the grid. "X KB", "X MB": itself.

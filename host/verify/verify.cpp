@@ -3,63 +3,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
-#include <memory>
 
 #include "hal/backends.h"
 #include "host/base/error.h"
 #include "host/infer/verification.h"
 #include "host/verify/positions.h"
 #include "host/verify/reference.h"
-#include "target/engine.h"
+#include "host/verify/still_player.h"
 
 namespace vitrine {
 namespace {
-
-void require(const Status& status, const char* who) {
-  if (!status.ok()) throw InputError(who, status.detail(), "check the image with vitrine inspect");
-}
-
-// The context's own framebuffer, top row first.
-Picture read_screen(hal::Gpu& gpu) {
-  Picture picture{gpu.width(), gpu.height(), {}};
-  std::vector<std::byte> rgba(static_cast<size_t>(picture.width) * picture.height * 4);
-  require(gpu.read_pixels({}, hal::TextureFormat::kRgba8, rgba), "OSMesa");
-  for (int y = picture.height - 1; y >= 0; --y)
-    for (int x = 0; x < picture.width; ++x)
-      for (int c = 0; c < 3; ++c) picture.rgb.push_back(static_cast<uint8_t>(rgba[(static_cast<size_t>(y) * picture.width + x) * 4 + c]));
-  return picture;
-}
-
-// An engine with its memory, playing stills.
-class StillPlayer {
- public:
-  StillPlayer(const ImageView& image, hal::Gpu& gpu) : gpu_(gpu), bytes_(Engine::required_bytes(image)) {
-    block_.reset(static_cast<std::byte*>(std::aligned_alloc(64, (bytes_ + 63) / 64 * 64)));
-    auto engine = Engine::load(image, gpu, {block_.get(), bytes_}, {.unlimited = true});
-    require(engine.status(), "image");
-    engine_ = std::move(engine.value());
-  }
-  Picture play(const Position& position) {
-    require(engine_->frame(position, {}), "image");
-    return read_screen(gpu_);
-  }
-
- private:
-  struct Free {
-    void operator()(std::byte* block) const { std::free(block); }
-  };
-  hal::Gpu& gpu_;
-  size_t bytes_;
-  std::unique_ptr<std::byte, Free> block_;
-  std::unique_ptr<Engine> engine_;
-};
-
-double mean_squared_error(const Picture& a, const Picture& b) {
-  double sum = 0;
-  for (size_t i = 0; i < a.rgb.size(); ++i) sum += (a.rgb[i] - b.rgb[i]) * (a.rgb[i] - b.rgb[i]);
-  return sum / static_cast<double>(std::max<size_t>(1, a.rgb.size()));
-}
 
 ObjectError object_error(const std::string& name, const std::vector<int>& pixels, const Picture& a, const Picture& b) {
   ObjectError error{name, 0, static_cast<int64_t>(pixels.size()) * 3};
@@ -102,10 +55,16 @@ double psnr_db(double mean_squared_error) {
   return mean_squared_error <= 0 ? 99.0 : std::min(99.0, 10 * std::log10(255.0 * 255.0 / mean_squared_error));
 }
 
+double mean_squared_error(const Picture& a, const Picture& b) {
+  double sum = 0;
+  for (size_t i = 0; i < a.rgb.size(); ++i) sum += (a.rgb[i] - b.rgb[i]) * (a.rgb[i] - b.rgb[i]);
+  return sum / static_cast<double>(std::max<size_t>(1, a.rgb.size()));
+}
+
 Verification verify_image(const ImageView& image, const Scene& scene, const Store& store, const Inference* inference,
                           const VerifyOptions& options, Progress& progress) {
   auto gpu = hal::create_osmesa_gpu(scene.settings.width, scene.settings.height);
-  require(gpu.status(), "OSMesa");
+  if (!gpu.ok()) throw InputError("OSMesa", gpu.status().detail(), "install the packages of tools/packages.txt");
   StillPlayer player(image, *gpu.value());
   Tracer tracer(scene);
   const ParameterSpace space = scene.space();

@@ -59,6 +59,7 @@ struct Verification {
 };
 
 double psnr_db(double mean_squared_error);  // against 255; 99 dB for no error
+double mean_squared_error(const Picture& a, const Picture& b);  // over all values, of pictures of one size
 
 // Positions are chosen deterministically, spread over the grid. `inference` may be null (then nothing is inferred).
 // `scene` must already agree with the image (apply_grid). Throws InputError.

@@ -72,6 +72,8 @@ with tempfile.TemporaryDirectory() as folder:
     expect(1, [vitrine, "bench", "noise", scene, "--size", "0x48"], "WIDTHxHEIGHT")
     expect(1, [vitrine, "bench", "inference", scene, "--object", "teapot"], "no such object")
     expect(1, [vitrine, "bench", "inference", scene, "--sheet", folder + "/no/sheet.png"], "its folder does not exist")
+    expect(1, [vitrine, "bench", "compression", scene, "--page", folder + "/no/page.html"], "its folder does not exist")
+    expect(2, [vitrine, "bench", "compression", scene, "--ratios", "0.5"], "see vitrine bench --help")
     expect(1, [vitrine, "bench", "inference-cost", scene, "--plot", folder + "/no/plot.svg"], "its folder does not exist")
     expect(1, [*compile_, "--storage", "0.5:1"], "--storage")
     expect(1, [*compile_, "--profile", "toaster"], "kiosk-60")

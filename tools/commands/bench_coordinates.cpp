@@ -18,15 +18,13 @@ nlohmann::json json_of(const std::vector<TexelPoint>& points) {
   return list;
 }
 
-nlohmann::json json_of(const std::optional<double>& number) { return number ? nlohmann::json(*number) : nlohmann::json(); }
-
 nlohmann::json json_of(const CoordinateCost& cost) {
   return {{"object", cost.object},
           {"coordinates", cost.artists ? "artist" : "charts"},
           {"psnr_db", cost.compared.psnr_db},
           {"texels", cost.compared.texels},
-          {"texels_whole", json_of(cost.whole_needs)},
-          {"texels_square", json_of(cost.square_needs)},
+          {"texels_whole", json_or_null(cost.whole_needs)},
+          {"texels_square", json_or_null(cost.square_needs)},
           {"fitted", json_of(cost.fitted)},
           {"whole", json_of(cost.whole)},
           {"square", json_of(cost.square)}};

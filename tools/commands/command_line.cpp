@@ -134,6 +134,22 @@ void add_bench_inference_cost(CLI::App& bench, BenchInferenceCostCommand& option
   command->footer("Example: vitrine bench inference-cost shop --plot cost.svg");
 }
 
+void add_bench_compression(CLI::App& bench, BenchCompressionCommand& options) {
+  CLI::App* command = bench.add_subcommand("compression", "Textures as Vitrine codes them beside today's video coders, of the pictures and of the textures");
+  command->add_option("SCENE", options.scene, "Folder with scene.toml, or a .toml file")->required()->check(kNotEmpty);
+  command->add_option("--size", options.size, "WIDTHxHEIGHT instead of the scene's")->check(kNotEmpty);
+  command->add_option("--samples", options.samples, "Samples in the middle of every axis; 0: all")->capture_default_str()->check(CLI::Range(0, 1024));
+  command->add_option("--noise", options.noise_db, "What frames are traced to, in decibels, instead of the scene's")->check(CLI::Range(10, 80));
+  command->add_option("--ratios", options.ratios, "Raw bytes of the pictures over coded ones, separated by commas (default: 384,768)")->delimiter(',')->check(CLI::Range(1.0, 1e6));
+  command->add_flag("--frames-only", options.frames_only, "Trace what --work lacks, and stop");
+  command->add_option("--coders", options.coders, "The only video coders, separated by commas")->delimiter(',')->check(CLI::IsMember({"x264", "x265", "svt-av1", "mpeg4"}));
+  command->add_flag("--no-videos", options.no_videos, "Leave out the video coders, which take most of the time, and ffmpeg");
+  command->add_option("--page", options.page, "Also write an HTML page: tables, plots and close-ups")->check(kNotEmpty);
+  command->add_option("--work", options.work, "Folder for frames and textures; keep it to resume (default: one that is removed afterwards)")->check(kNotEmpty);
+  add_common_options(*command, options.common);
+  command->footer("Example: vitrine bench compression shop --size 320x240 --noise 36 --work shop.work");
+}
+
 void add_bench_smoothing(CLI::App& bench, BenchSmoothingCommand& options) {
   CLI::App* command = bench.add_subcommand("smoothing", "What smoothing textures over the axes takes from the samples and gives between them, in images of one size");
   command->add_option("SCENE", options.scene, "Folder with scene.toml, or a .toml file")->required()->check(kNotEmpty);
@@ -176,6 +192,7 @@ struct Commands {
   BenchInferenceCostCommand bench_inference_cost;
   BenchSmoothingCommand bench_smoothing;
   BenchDecodeCommand bench_decode;
+  BenchCompressionCommand bench_compression;
 };
 
 std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
@@ -188,6 +205,7 @@ std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
   if (app.get_subcommand("bench")->got_subcommand("inference")) return [command = commands.bench_inference] { command.run(); };
   if (app.get_subcommand("bench")->got_subcommand("coordinates")) return [command = commands.bench_coordinates] { command.run(); };
   if (app.get_subcommand("bench")->got_subcommand("inference-cost")) return [command = commands.bench_inference_cost] { command.run(); };
+  if (app.get_subcommand("bench")->got_subcommand("compression")) return [command = commands.bench_compression] { command.run(); };
   if (app.get_subcommand("bench")->got_subcommand("smoothing")) return [command = commands.bench_smoothing] { command.run(); };
   if (app.get_subcommand("bench")->got_subcommand("decode")) return [command = commands.bench_decode] { command.run(); };
   return [command = commands.bench_trace] { command.run(); };
@@ -214,6 +232,7 @@ std::function<void()> parse_command_line(int argc, char** argv) {
   add_bench_inference(*bench, commands.bench_inference);
   add_bench_coordinates(*bench, commands.bench_coordinates);
   add_bench_inference_cost(*bench, commands.bench_inference_cost);
+  add_bench_compression(*bench, commands.bench_compression);
   add_bench_smoothing(*bench, commands.bench_smoothing);
   add_bench_decode(*bench, commands.bench_decode);
   // CLI11 would only say that a subcommand is missing.

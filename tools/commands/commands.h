@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "host/base/progress.h"
 
@@ -87,6 +88,17 @@ struct BenchCoordinatesCommand {
 struct BenchInferenceCostCommand {
   std::string scene, size, plot, work;
   bool no_trace = false, no_scaling = false, whole = false;
+  CommonOptions common;
+  void run() const;
+};
+
+struct BenchCompressionCommand {
+  std::string scene, size, work, page;
+  int samples = 8;      // 0: all
+  double noise_db = 0;  // 0: the scene's
+  std::vector<double> ratios;
+  std::vector<std::string> coders;
+  bool frames_only = false, no_videos = false;
   CommonOptions common;
   void run() const;
 };

@@ -3,30 +3,14 @@
 
 #include <fmt/format.h>
 
-#include <span>
 #include <vector>
 
-#include "hal/storage.h"
-#include "host/base/error.h"
+#include "tools/commands/html.h"
 
 namespace vitrine {
 namespace {
 
-constexpr const char* kStyle =
-    "body{font:14px/1.5 sans-serif;max-width:60em;margin:2em auto;color:#222}table{border-collapse:collapse;width:100%}"
-    "td,th{padding:.2em .6em;text-align:left;border-bottom:1px solid #ddd}td.n{text-align:right;font-variant-numeric:tabular-nums}"
-    ".bar{background:#3b7ea1;height:.8em;min-width:1px}";
-
-std::string escaped(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    if (c == '<') result += "&lt;";
-    else if (c == '&') result += "&amp;";
-    else if (c == '"') result += "&quot;";
-    else result += c;
-  }
-  return result;
-}
+constexpr const char* kBarStyle = ".bar{background:#3b7ea1;height:.8em;min-width:1px}";
 
 std::vector<uint64_t> bytes_of_levels(const ImageView& image, const fb::Field& field) {
   const FieldShape shape = image.shape_of(field);
@@ -37,20 +21,20 @@ std::vector<uint64_t> bytes_of_levels(const ImageView& image, const fb::Field& f
 
 void add_row(std::string& html, const std::string& what, uint64_t bytes, uint64_t all) {
   html += fmt::format("<tr><td>{}</td><td class=n>{}</td><td style=\"width:50%\"><div class=bar style=\"width:{:.2f}%\"></div></td></tr>\n",
-                      escaped(what), bytes, 100.0 * static_cast<double>(bytes) / static_cast<double>(all));
+                      html_escaped(what), bytes, 100.0 * static_cast<double>(bytes) / static_cast<double>(all));
 }
 
 }  // namespace
 
 void write_inspect_report(const std::filesystem::path& file, const std::string& image_name, const ImageView& image, const nlohmann::json& summary) {
-  std::string html = fmt::format("<!doctype html><meta charset=utf-8><title>{0}</title><style>{1}</style><h1>{0}</h1>\n", escaped(image_name), kStyle);
+  std::string html = fmt::format("<!doctype html><meta charset=utf-8><title>{0}</title><style>{1}{2}</style><h1>{0}</h1>\n", html_escaped(image_name), kPageStyle, kBarStyle);
   html += fmt::format(
       "<p>Version {}, {} bytes, {} x {} pixels, {} filter.</p><h2>Axes</h2><table><tr><th>axis<th>kind<th>samples<th>samples a "
       "frame at most</tr>\n",
       image.version(), image.file_bytes(), image.directory().width(), image.directory().height(),
       summary["filter"].get<std::string>());
   for (const auto& axis : summary["axes"])
-    html += fmt::format("<tr><td>{}<td>{}<td class=n>{}<td class=n>{}</tr>\n", escaped(axis["name"].get<std::string>()), axis["kind"].get<std::string>(),
+    html += fmt::format("<tr><td>{}<td>{}<td class=n>{}<td class=n>{}</tr>\n", html_escaped(axis["name"].get<std::string>()), axis["kind"].get<std::string>(),
                         axis["samples"].get<int>(), axis["max_speed"].get<double>());
   html += "</table><h2>Plan</h2><table>\n";
   for (const auto& [key, value] : summary["plan"].items()) html += fmt::format("<tr><td>{}<td class=n>{}</tr>\n", key, value.dump());
@@ -64,8 +48,7 @@ void write_inspect_report(const std::filesystem::path& file, const std::string& 
     }
   }
   html += "</table>\n";
-  const Status status = hal::write_file_atomically(file.c_str(), std::as_bytes(std::span(html)));
-  if (!status.ok()) throw InputError(file.string(), status.detail(), "check that the folder exists and has room");
+  write_page(file, html);
 }
 
 }  // namespace vitrine

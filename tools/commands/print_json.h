@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
+#include <optional>
 
 namespace vitrine {
 
@@ -11,5 +12,8 @@ namespace vitrine {
 inline void print_json(const nlohmann::json& json) {
   fmt::print("{}\n", json.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
 }
+
+// null where there is none.
+inline nlohmann::json json_or_null(const std::optional<double>& number) { return number ? nlohmann::json(*number) : nlohmann::json(); }
 
 }  // namespace vitrine

@@ -697,8 +697,8 @@ class Glb:
         path.write_bytes(struct.pack("<4sII", b"glTF", 2, size) + struct.pack("<I4s", len(text), b"JSON") + text + struct.pack("<I4s", len(data), b"BIN\0") + data)
 
 
-def build(path):
-    g = Glb()
+def furnish(g):
+    """Everything but the animations; returns the nodes about which camera and lamp turn."""
     matte = {"KHR_materials_specular": {"specularFactor": 0.0}}            # purely diffuse
 
     vase, v, body = make_vase()
@@ -726,7 +726,12 @@ def build(path):
     tilt = -math.atan2(VIEW_HEIGHT - VIEW_LOOK_AT, VIEW_DISTANCE) / 2
     camera = g.node(False, name="camera", camera=0, translation=[0.0, VIEW_HEIGHT, VIEW_DISTANCE], rotation=[math.sin(tilt), 0.0, 0.0, math.cos(tilt)])
     view_pivot = g.node(name="view_pivot", children=[camera])
+    return view_pivot, lamp_pivot
 
+
+def build(path):
+    g = Glb()
+    view_pivot, lamp_pivot = furnish(g)
     g.swing("view", view_pivot, (0, 1, 0), VIEW_STEP * (VIEW_SAMPLES - 1), 5, 0.1 * (VIEW_SAMPLES - 1))
     g.swing("lamp", lamp_pivot, (0, 0, 1), LAMP_STEP * (LAMP_SAMPLES - 1), 3, 0.1 * (LAMP_SAMPLES - 1))
     g.write(path)
