@@ -239,7 +239,7 @@ class ObjectChecker {
     if (field.axes() >> image_.axes()->size() != 0) return malformed("a field depends on an axis that does not exist");
     if (field.coder() > fb::NodeCoder::MAX) return {StatusCode::kUnsupported, "a field is coded by an unknown coder"};
     if (Status status = check_texture(field); !status.ok()) return status;
-    if (Status status = check_maps(*field.maps()); !status.ok()) return status;
+    if (Status status = check_maps(field); !status.ok()) return status;
     if (Status status = check_shape(field); !status.ok()) return status;
     if (!sections_.take(field.nodes(), fb::SectionKind::nodes))
       return malformed("a field's nodes are not in the section that they must be in");
@@ -259,13 +259,17 @@ class ObjectChecker {
     return {};
   }
 
-  Status check_maps(const flatbuffers::Vector<float>& values) {
-    const uint32_t maps = values.size() / kTextureMapValues;
-    if (maps < 1 || maps > limits::kMapsPerField || values.size() % kTextureMapValues != 0)
+  static uint32_t values_per_map(const fb::Field& field) { return field.patches() * uint32_t{kTextureMapValues}; }
+
+  Status check_maps(const fb::Field& field) {
+    if (field.patches() < 1 || field.patches() > kMaxPatches) return malformed("a field has an impossible number of patches");
+    const flatbuffers::Vector<float>& values = *field.maps();
+    const uint32_t maps = values.size() / values_per_map(field);
+    if (maps < 1 || maps > limits::kMapsPerField || values.size() % values_per_map(field) != 0)
       return malformed("a field has an impossible number of texture maps");
     if (image_.interpolate() && maps != 1) return malformed("a field whose samples are blended has several texture maps");
     // Before any loop over them, as for nodes.
-    maps_ += maps;
+    maps_ += maps * field.patches();
     if (maps_ > limits::kTextureMaps) return malformed("there are too many texture maps");
     for (uint32_t i = 0; i < values.size(); ++i) {
       const bool cut = i % kTextureMapValues < 2;
@@ -281,7 +285,8 @@ class ObjectChecker {
     if (field.block_maps()->size() != static_cast<uint32_t>(shape_from_directory(image_, field).block_count()))
       return malformed("a field has not one texture map per block");
     for (const uint16_t map : *field.block_maps())
-      if (map >= field.maps()->size() / kTextureMapValues) return malformed("a block is laid on by a map that does not exist");
+      if (map >= field.maps()->size() / values_per_map(field))
+        return malformed("a block is laid on by a map that does not exist");
     return {};
   }
 

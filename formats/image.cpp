@@ -171,9 +171,16 @@ SurfaceFilter ImageView::filter() const { return static_cast<SurfaceFilter>(dire
 TextureMap ImageView::map_of(const fb::Field& field, int block) const {
   const auto* of_blocks = field.block_maps();
   const uint32_t map = of_blocks && of_blocks->size() > 0 ? of_blocks->Get(static_cast<uint32_t>(block)) : 0;
-  std::array<float, kTextureMapValues> values;
-  for (uint32_t i = 0; i < kTextureMapValues; ++i) values[i] = field.maps()->Get(kTextureMapValues * map + i);
-  return TextureMap::from(values);
+  const uint32_t patches = field.patches();
+  TextureMap result;
+  result.patch_count = static_cast<int>(patches);
+  for (uint32_t patch = 0; patch < kMaxPatches; ++patch) {
+    std::array<float, kTextureMapValues> values;
+    const uint32_t first = kTextureMapValues * (patches * map + std::min(patch, patches - 1));
+    for (uint32_t i = 0; i < kTextureMapValues; ++i) values[i] = field.maps()->Get(first + i);
+    result.patches[patch] = PatchMap::from(values);
+  }
+  return result;
 }
 
 void ImageView::read_rig(std::span<RigNode> nodes, std::span<RigTrack> tracks) const {

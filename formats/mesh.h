@@ -9,6 +9,7 @@
 #include <span>
 
 #include "formats/status.h"
+#include "formats/texture_map.h"
 
 namespace vitrine {
 
@@ -27,12 +28,13 @@ struct MeshGrid {
 };
 // A vertex in steps of the grid, as it is coded.
 struct GridVertex {
-  uint16_t x, y, z, zero, u, v;
+  uint16_t x, y, z, patch, u, v;  // patch: TextureMap::patch_of
 };
-inline constexpr float kTextureSteps = 32768;  // from texture coordinate 0 to 1
+inline constexpr float kTextureSteps = 32768;  // from texture coordinate 0 to 1 of a patch
 inline MeshVertex vertex_on_grid(const MeshGrid& grid, const GridVertex& v) {
   return {grid.origin.x + grid.step * static_cast<float>(v.x), grid.origin.y + grid.step * static_cast<float>(v.y),
-          grid.origin.z + grid.step * static_cast<float>(v.z), static_cast<float>(v.u) / kTextureSteps,
+          grid.origin.z + grid.step * static_cast<float>(v.z),
+          static_cast<float>(v.patch) * kPatchStep + static_cast<float>(v.u) / kTextureSteps,
           static_cast<float>(v.v) / kTextureSteps};
 }
 

@@ -66,7 +66,7 @@ struct ProgramDesc {
   const char* fragment_library = "";  // functions that `fragment` uses, put before it
   // Samplers in the fragment shader, in the order of Draw::textures (at most 8).
   std::span<const char* const> samplers;
-  // Both shaders may declare `uniform vec4 params[uniform_count];` (at most 64); a draw sets all of it.
+  // Both shaders may declare `uniform vec4 params[uniform_count];` (at most 192); a draw sets all of it.
   int uniform_count = 0;
 };
 

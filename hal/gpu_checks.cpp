@@ -82,7 +82,7 @@ Status check_program(const ProgramDesc& desc) {
   if (desc.samplers.size() > kMaxSamplers) return impossible("more than 8 samplers");
   for (const char* name : desc.samplers)
     if (!name || !*name) return impossible("a sampler has no name");
-  if (desc.uniform_count < 0 || desc.uniform_count > kMaxUniforms) return impossible("uniform count is not in 0..64");
+  if (desc.uniform_count < 0 || desc.uniform_count > kMaxUniforms) return impossible("uniform count is not in 0..192");
   return {};
 }
 

@@ -8,7 +8,7 @@
 
 namespace vitrine::hal {
 
-inline constexpr int kMaxSamplers = 8, kMaxUniforms = 64, kMaxAttributes = 16;
+inline constexpr int kMaxSamplers = 8, kMaxUniforms = 192, kMaxAttributes = 16;
 inline constexpr int kMaxStride = 255;  // bytes; WebGL 2 allows no more
 
 int level_count_of(int width, int height);  // of a full chain down to 1 x 1

@@ -29,15 +29,22 @@ MeshGrid grid_over(std::span<const MeshVertex> vertices) {
 }
 
 GridVertex nearest_on_grid(const MeshGrid& grid, const MeshVertex& vertex) {
-  return {
-      nearest_step((vertex.x - grid.origin.x) / grid.step, kSteps), nearest_step((vertex.y - grid.origin.y) / grid.step, kSteps),
-      nearest_step((vertex.z - grid.origin.z) / grid.step, kSteps), 0,
-      nearest_step(vertex.u * kTextureSteps, kTextureSteps),        nearest_step(vertex.v * kTextureSteps, kTextureSteps)};
+  const int patch = TextureMap::patch_of(vertex.u);
+  return {nearest_step((vertex.x - grid.origin.x) / grid.step, kSteps),
+          nearest_step((vertex.y - grid.origin.y) / grid.step, kSteps),
+          nearest_step((vertex.z - grid.origin.z) / grid.step, kSteps),
+          static_cast<uint16_t>(patch),
+          nearest_step((vertex.u - kPatchStep * static_cast<float>(patch)) * kTextureSteps, kTextureSteps),
+          nearest_step(vertex.v * kTextureSteps, kTextureSteps)};
+}
+
+MeshVertex laid_on_grid(const MeshGrid& grid, const MeshVertex& vertex) {
+  return vertex_on_grid(grid, nearest_on_grid(grid, vertex));
 }
 
 MeshGrid lay_on_grid(std::span<MeshVertex> vertices) {
   const MeshGrid grid = grid_over(vertices);
-  for (MeshVertex& vertex : vertices) vertex = vertex_on_grid(grid, nearest_on_grid(grid, vertex));
+  for (MeshVertex& vertex : vertices) vertex = laid_on_grid(grid, vertex);
   return grid;
 }
 

@@ -26,7 +26,9 @@ glm::vec3 corner_position(const MeshVertex& v) { return {v.x, v.y, v.z}; }
 // Corners of one triangle in units of cells.
 using CellTriangle = std::array<glm::dvec2, 3>;
 
-bool is_torn(const std::array<const MeshVertex*, 3>& vertex, const glm::vec2& cut) {
+bool is_torn(const std::array<const MeshVertex*, 3>& vertex, const TextureMap& map) {
+  const int patch = TextureMap::patch_of(vertex[0]->u);
+  const glm::vec2 cut = map.patches[static_cast<size_t>(patch)].cut + glm::vec2(kPatchStep * static_cast<float>(patch), 0);
   const auto parts = [&](float MeshVertex::*coordinate, float at) {
     const bool first = vertex[0]->*coordinate < at;
     return (vertex[1]->*coordinate < at) != first || (vertex[2]->*coordinate < at) != first;
@@ -42,7 +44,7 @@ void fill_triangle(const DrawnObject& object, int triangle, const Placement& pla
     vertex[k] = &object.vertices[object.indices[3 * static_cast<size_t>(triangle) + k]];
     p[k] = glm::dvec2(placement.map({vertex[k]->u, vertex[k]->v})) * glm::dvec2(width, height);
   }
-  if (is_torn(vertex, placement.map.cut)) return;
+  if (is_torn(vertex, placement.map)) return;
   const double area = cross(p[1] - p[0], p[2] - p[0]);
   if (area == 0) return;
   const auto [x0, x1] = cells_between(std::min({p[0].x, p[1].x, p[2].x}), std::max({p[0].x, p[1].x, p[2].x}), width);

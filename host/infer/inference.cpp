@@ -10,12 +10,15 @@
 #include "host/infer/geometry_states.h"
 #include "host/infer/inference_run.h"
 #include "host/infer/light_survey.h"
+#include "host/infer/mesh_cuts.h"
 #include "host/infer/parameterization.h"
 #include "host/infer/texture_layout.h"
 #include "host/infer/texture_store.h"
 
 namespace vitrine {
 namespace {
+
+constexpr double kPatchesPay = 0.85;  // of the texels without them, at most: content that ends at a gutter costs bits, too
 
 std::vector<DrawnObject> draw_objects(const Scene& scene) {
   const Pose pose = pose_scene(scene, scene.space().position_of({}));
@@ -81,18 +84,49 @@ std::vector<Field> make_fields(const Scene& scene, const std::vector<DrawnObject
   return fields;
 }
 
-void lay_out_fields(const Scene& scene, const std::vector<ObjectLight>& lights, const InferenceOptions& options,
-                    const StateTable& states, const std::vector<std::vector<VisibleSurface>>& surfaces, Inference& inference) {
-  for (Field& field : inference.fields) {
-    const auto drawn = static_cast<size_t>(field.drawn_object);
-    const auto number = static_cast<size_t>(inference.objects[drawn].object);
-    const Object& object = scene.objects[number];
-    LayoutOptions layout{options.fit, options.max_texture_size, options.layout, scene.settings.interpolate};
-    layout.fit.texels_per_pixel *= object.resolution_scale;
-    if (is_constant_backdrop(object, lights[number])) layout.max_size = 8;
+LayoutOptions layout_options(const Scene& scene, const std::vector<ObjectLight>& lights, const InferenceOptions& options,
+                             int number) {
+  const Object& object = scene.objects[static_cast<size_t>(number)];
+  LayoutOptions layout{options.fit, options.max_texture_size, options.layout, scene.settings.interpolate};
+  layout.fit.texels_per_pixel *= object.resolution_scale;
+  if (is_constant_backdrop(object, lights[static_cast<size_t>(number)])) layout.max_size = 8;
+  return layout;
+}
+
+double texels_of(std::span<Field* const> fields) {
+  double texels = 0;
+  for (const Field* field : fields) texels += static_cast<double>(field->texture_width) * field->texture_height;
+  return texels;
+}
+
+// Lays an object's textures on patches, along which it cuts it, where that saves texels, else on the whole domain.
+void lay_out_object(const Scene& scene, const StateTable& states, std::span<const VisibleSurface* const> surfaces,
+                    const LayoutOptions& options, DrawnObject& object, std::span<Field* const> fields) {
+  const auto lay_out_on = [&](std::span<const DomainPart> patches) {
+    for (Field* field : fields) lay_out(states, scene.space(), surfaces, patches, options, *field);
+    return texels_of(fields);
+  };
+  const double whole = lay_out_on({&VisibleSurface::kWholeDomain, 1});
+  if (options.layout != TextureLayout::kFitted || fields.empty()) return;
+  const std::vector<DomainPart> patches =
+      patches_for(states, scene.space(), surfaces, options, std::vector<const Field*>(fields.begin(), fields.end()));
+  if (patches.size() == 1) return;
+  if (lay_out_on(patches) < kPatchesPay * whole)
+    object = cut_into_patches(object, patches);
+  else
+    lay_out_on({&VisibleSurface::kWholeDomain, 1});
+}
+
+void lay_out_objects(const Scene& scene, const std::vector<ObjectLight>& lights, const InferenceOptions& options,
+                     const StateTable& states, const std::vector<std::vector<VisibleSurface>>& surfaces, Inference& inference) {
+  for (size_t i = 0; i < inference.objects.size(); ++i) {
+    DrawnObject& object = inference.objects[i];
     std::vector<const VisibleSurface*> own;
-    for (const auto& state : surfaces) own.push_back(&state[drawn]);
-    lay_out(states, scene.space(), own, layout, field);
+    for (const auto& state : surfaces) own.push_back(&state[i]);
+    std::vector<Field*> fields;
+    for (Field& field : inference.fields)
+      if (field.drawn_object == static_cast<int>(i)) fields.push_back(&field);
+    lay_out_object(scene, states, own, layout_options(scene, lights, options, object.object), object, fields);
   }
 }
 
@@ -130,7 +164,7 @@ Inference infer_textures(const Scene& scene, const std::vector<StoreKey>& frames
   surfaces = in_order_of(geometry.table, in_picture.table, std::move(surfaces));
   inference.fields = make_fields(scene, inference.objects, lights);
   inference.warnings = warn_of_darkness(scene, inference.objects, inference.fields);
-  lay_out_fields(scene, lights, options, geometry.table, surfaces, inference);
+  lay_out_objects(scene, lights, options, geometry.table, surfaces, inference);
   InferenceRun run(scene, frames, store, gpu, options, geometry.table, std::move(geometry.states), inference);
   run.solve_missing(progress);
   if (options.axis_smoothing > 0) smooth_fields(store, options.axis_smoothing, inference, progress);

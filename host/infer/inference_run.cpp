@@ -17,7 +17,7 @@
 namespace vitrine {
 namespace {
 
-constexpr int kInferenceVersion = 9;  // changes whenever the same input would give other textures
+constexpr int kInferenceVersion = 10;  // changes whenever the same input would give other textures
 constexpr size_t kBatch = 8;          // states read at once, if what they take stays below
 constexpr size_t kBatchBytes = size_t{256} << 20;
 constexpr size_t kFramePixelBytes = 40;             // of a loaded frame: the picture, and layers of about one object a pixel
@@ -34,8 +34,10 @@ void append(KeyBuilder& key, const StoreKey& part) {
 }
 
 void append_map(KeyBuilder& key, const TextureMap& map) {
-  const auto values = map.values();
-  key.bytes(values.data(), sizeof values);
+  for (size_t patch = 0; patch < static_cast<size_t>(map.patch_count); ++patch) {
+    const auto values = map.patches[patch].values();
+    key.bytes(values.data(), sizeof values);
+  }
 }
 
 void append_field(KeyBuilder& key, const Inference& inference, const Field& field) {

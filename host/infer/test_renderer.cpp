@@ -91,7 +91,7 @@ void TestRenderer::render_with(hal::Program program, int tap, const GeometryStat
   for (size_t i = 0; i < meshes_.size(); ++i) {
     if (!meshes_[i].mesh.id || !textures[i].id) continue;
     const bool mirrored = state.mirrored[i] != 0;
-    const SurfaceTexture texture{textures[i], state.maps.empty() ? TextureMap{} : state.maps[i]};
+    const SurfaceTexture texture{textures[i], state.maps.empty() ? TextureMap::raised() : state.maps[i]};
     check(program.id ? drawer_.draw_with(program, glm::vec4(tap), meshes_[i], state.clip_from_object[i], mirrored, texture)
                      : drawer_.draw(meshes_[i], state.clip_from_object[i], mirrored, {&texture, 1}));
   }

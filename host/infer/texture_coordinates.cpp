@@ -17,7 +17,9 @@ namespace {
 constexpr size_t kFewSamples = 20000, kSearchedSamples = 2500;  // enough to fit four numbers
 constexpr int kIterations = 60;                                 // of conjugate gradients
 constexpr int kStretchSteps = 100;
-constexpr int kSmallestGap = 4;          // cells
+constexpr float kLastStep = 0.02f;         // of the search for a shape
+constexpr size_t kEstimatedSamples = 400;  // where the shape is not needed, but what it takes
+constexpr float kEstimatedStep = 0.1f;
 constexpr double kLargestStretch = 1e4;  // square pixels: what has no area in the texture counts no more
 constexpr int kTurns = 90;               // directions of rectangles in a quarter turn
 // A turned texture costs the coder more than the texels that a slight turn saves: lines of the surface no longer run along it.
@@ -91,16 +93,19 @@ double mean_square_stretch(std::span<const SurfaceSample> samples, const glm::ma
   return sum / static_cast<double>(samples.size());
 }
 
-// How many texels the map's rectangle has where they have unit mean square.
 struct Candidate {
   glm::mat2 linear{1};
-  double texels = 1e300;
+  double square = 1;      // mean, of its texels' sides on the screen
+  double texels = 1e300;  // of its rectangle, were that 1
+  glm::vec2 size{0};
 };
 Candidate candidate_of(std::span<const SurfaceSample> samples, std::span<const glm::vec2> outline, const glm::mat2& linear,
                        float aspect) {
   std::vector<glm::vec2> mapped;
   for (const glm::vec2& point : outline) mapped.push_back(linear * point);
-  return {linear, smallest_rectangle(mapped, aspect).texels * mean_square_stretch(samples, linear)};
+  const Rectangle rectangle = smallest_rectangle(mapped, aspect);
+  const double square = mean_square_stretch(samples, linear);
+  return {linear, square, rectangle.texels * square, rectangle.size};
 }
 
 // exp of the traceless symmetric matrix (p, q; q, -p): stretches by exp(r) one way and by exp(-r) across it, r = |(p, q)|.
@@ -109,18 +114,10 @@ glm::mat2 stretch_by(const glm::vec2& pq) {
   return {c + s * pq.x, s * pq.y, s * pq.y, c - s * pq.x};
 }
 
-// An isometry's image of what is seen may fill its rectangle badly, as a rhombus does. So the chapter's map, and the one
-// that only scales, are where a search begins for the shape that needs the fewest texels: by steps of stretch in eight
-// directions, halved where none helps. Then it is scaled to the bound.
-glm::mat2 smallest_map(std::span<const SurfaceSample> all, std::span<const glm::vec2> outline, const TextureFitOptions& options,
-                       float aspect) {
-  const std::vector<SurfaceSample> samples = thinned(all, kSearchedSamples);
-  Candidate best;
-  for (const MapKind kind : {MapKind::kScales, MapKind::kLinear}) {
-    const Candidate candidate = candidate_of(samples, outline, most_isometric_map(samples, kind), aspect);
-    if (candidate.texels < best.texels) best = candidate;
-  }
-  for (float step = 0.4f; step > 0.02f;) {
+// By steps of stretch in eight directions, halved where none helps.
+Candidate smallest_from(Candidate best, std::span<const SurfaceSample> samples, std::span<const glm::vec2> outline, float aspect,
+                        float last_step) {
+  for (float step = 0.4f; step > last_step;) {
     const Candidate before = best;
     for (int direction = 0; direction < 8; ++direction) {
       const float angle = std::numbers::pi_v<float> / 4 * static_cast<float>(direction);
@@ -130,22 +127,36 @@ glm::mat2 smallest_map(std::span<const SurfaceSample> all, std::span<const glm::
     }
     if (best.texels > 0.999 * before.texels) step /= 2;
   }
-  return greatest_stretch(samples, best.linear, options.stretch_share).pixels / options.stretch_bound * best.linear;
+  return best;
+}
+
+// An isometry's image of what is seen may fill its rectangle badly, as a rhombus does. So the chapter's map, and the one
+// that only scales, are where a search begins for the shape that needs the fewest texels.
+Candidate smallest_map(std::span<const SurfaceSample> all, std::span<const glm::vec2> outline, float aspect) {
+  const std::vector<SurfaceSample> samples = thinned(all, kSearchedSamples);
+  Candidate best;
+  for (const MapKind kind : {MapKind::kScales, MapKind::kLinear}) {
+    const Candidate candidate = candidate_of(samples, outline, most_isometric_map(samples, kind), aspect);
+    if (candidate.texels < best.texels) best = candidate;
+  }
+  return smallest_from(best, samples, outline, aspect, kLastStep);
 }
 
 }  // namespace
 
 float branch_cut(const VisibleSurface& surface, int dimension) {
-  constexpr int n = VisibleSurface::kCells;
+  constexpr int n = VisibleSurface::kCoarseCells;
+  std::array<bool, n> met;
+  for (int i = 0; i < n; ++i) met[static_cast<size_t>(i)] = surface.meets(dimension, i);
   int best_first = 0, best_length = 0;
   for (int i = 0; i < n; ++i) {
     int length = 0;
-    while (length < n && !surface.meets(dimension, (i + length) % n)) ++length;
+    while (length < n && !met[static_cast<size_t>((i + length) % n)]) ++length;
     if (length > best_length) best_first = i, best_length = length;
   }
   const int middle = best_first + best_length / 2;
   const bool around_border = best_first + best_length >= n || best_first == 0;
-  return best_length < kSmallestGap || around_border ? 0 : static_cast<float>(middle) / n;
+  return best_length == 0 || around_border ? 0 : static_cast<float>(middle) / n;
 }
 
 double isometry_error(std::span<const SurfaceSample> samples, const glm::dmat2& linear, glm::dmat2* gradient) {
@@ -246,13 +257,24 @@ TextureFit fit_texture(const VisibleSurface& surface, const TextureFitOptions& o
   TextureFit fit;
   fit.cut = {branch_cut(surface, 0), branch_cut(surface, 1)};
   std::vector<glm::vec2> outline = convex_hull(surface.outline(fit.cut));
-  const glm::mat2 stretched = options.texels_per_pixel * smallest_map(surface.samples(), outline, options, aspect);
-  for (glm::vec2& point : outline) point = stretched * point;
+  const glm::mat2 shape = smallest_map(surface.samples(), outline, aspect).linear;
+  const float stretch = greatest_stretch(surface.samples(), shape, options.stretch_share).pixels;
+  const glm::mat2 scaled = options.texels_per_pixel * stretch / options.stretch_bound * shape;
+  for (glm::vec2& point : outline) point = scaled * point;
   const Rectangle rectangle = smallest_rectangle(outline, aspect);
-  fit.linear = turn_by(rectangle.turn) * stretched;
+  fit.linear = turn_by(rectangle.turn) * scaled;
   fit.low = rectangle.low;
   fit.size = rectangle.size;
   return fit;
+}
+
+PatchDemand demand_of(const VisibleSurface& patch) {
+  if (!patch.visible()) return {};
+  const std::vector<SurfaceSample> samples = thinned(patch.samples(), kEstimatedSamples);
+  const std::vector<glm::vec2> outline = convex_hull(patch.outline({branch_cut(patch, 0), branch_cut(patch, 1)}));
+  const Candidate first = candidate_of(samples, outline, glm::mat2(first_map(samples)), 0);
+  const Candidate shape = smallest_from(first, samples, outline, 0, kEstimatedStep);
+  return {shape.texels, std::sqrt(shape.square) * static_cast<double>(shape.size.x + shape.size.y)};
 }
 
 glm::vec2 whole_domain_size(const VisibleSurface& surface, const TextureFitOptions& options) {
@@ -261,13 +283,17 @@ glm::vec2 whole_domain_size(const VisibleSurface& surface, const TextureFitOptio
   return options.texels_per_pixel * glm::vec2(map[0][0], map[1][1]);
 }
 
-TextureMap map_of(const TextureFit& fit, int width, int height) {
-  TextureMap map{fit.cut, fit.linear, -fit.low};
-  const glm::vec2 texture(width, height);
+int gutter_of(const TextureFitOptions& options) {
+  return 2 * static_cast<int>(std::ceil(kTextureMargin * std::max(1.0f, options.texels_per_pixel)));
+}
+
+PatchMap map_of(const TextureFit& fit, const TextureSlot& slot, const TextureSize& texture) {
+  PatchMap map{fit.cut, fit.linear, -fit.low};
+  const glm::vec2 whole(texture.width, texture.height);
   for (int d = 0; d < 2; ++d) {
-    const float scale = (texture[d] - 2 * kTextureMargin) / std::max(fit.size[d], 1e-6f);
-    map.offset[d] = (scale * map.offset[d] + kTextureMargin) / texture[d];
-    for (int column = 0; column < 2; ++column) map.linear[column][d] *= scale / texture[d];
+    const float scale = static_cast<float>(slot.size[d]) / std::max(fit.size[d], 1e-6f);
+    map.offset[d] = (scale * map.offset[d] + static_cast<float>(slot.low[d])) / whole[d];
+    for (int column = 0; column < 2; ++column) map.linear[column][d] *= scale / whole[d];
   }
   return map;
 }

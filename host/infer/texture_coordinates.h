@@ -8,6 +8,7 @@
 #include <glm/mat2x2.hpp>
 #include <glm/vec2.hpp>
 #include <span>
+#include <vector>
 
 #include "formats/texture_map.h"
 #include "host/infer/inference.h"
@@ -21,15 +22,29 @@ struct TextureFit {
   glm::mat2 linear{1};
   glm::vec2 low{0}, size{0};
 };
-// `surface` is visible. `aspect`: width over height of the texture that it must go into, at least 1; 0: any.
+// `surface` is visible. `aspect`: width over height of the rectangle that it must go into, at least 1; 0: any.
 TextureFit fit_texture(const VisibleSurface& surface, const TextureFitOptions& options, float aspect = 0);
+
+// What a patch takes, estimated: texels, and half of its rectangle's circumference in texels, where these have unit mean square
+// on the screen; 0 where nothing is seen.
+struct PatchDemand {
+  double texels = 0, girth = 0;
+};
+PatchDemand demand_of(const VisibleSurface& patch);
 
 // Texels along u and v that the whole domain [0, 1]^2 needs where it is only scaled, to the same options.
 glm::vec2 whole_domain_size(const VisibleSurface& surface, const TextureFitOptions& options);
 
-// The fit stretched or squeezed to fill a texture of `width` x `height` texels but for a margin.
-inline constexpr int kTextureMargin = 2;  // texels
-TextureMap map_of(const TextureFit& fit, int width, int height);
+// A rectangle of a texture, in texels.
+struct TextureSlot {
+  glm::ivec2 low{0}, size{0};
+};
+// The fit stretched or squeezed to fill a slot of a texture.
+PatchMap map_of(const TextureFit& fit, const TextureSlot& slot, const TextureSize& texture);
+
+inline constexpr int kTextureMargin = 2;  // texels between what is seen and a texture's border
+// Texels between what is seen of two patches: as at two borders, on the level whose texels are as large as pixels.
+int gutter_of(const TextureFitOptions& options);
 
 // ---- the steps, for tests ----
 

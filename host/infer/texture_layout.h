@@ -21,10 +21,15 @@ struct LayoutOptions {
   bool one_map = false;  // for all blocks: where samples of different blocks are blended
 };
 
-// Fills a field's texture size, maps and block_maps. `surfaces`: per state, of the field's object. Sizes are multiples of 8 in
-// [8, max_size], the same for all blocks: what the largest needs.
+// Fills a field's texture size, maps and block_maps. `surfaces`: per state, of the field's object; `patches`: of its domain,
+// along which its mesh is cut. Sizes are multiples of 8 in [8, max_size], the same for all blocks: what the largest needs.
 void lay_out(const StateTable& states, const ParameterSpace& space, std::span<const VisibleSurface* const> surfaces,
-             const LayoutOptions& options, Field& field);
+             std::span<const DomainPart> patches, const LayoutOptions& options, Field& field);
+
+// Where to cut the domain of an object with these fields, for what a few blocks of each show.
+std::vector<DomainPart> patches_for(const StateTable& states, const ParameterSpace& space,
+                                    std::span<const VisibleSurface* const> surfaces, const LayoutOptions& options,
+                                    std::span<const Field* const> fields);
 
 // The states that a block's textures may be shown in, ascending; per block.
 std::vector<std::vector<int>> states_of_blocks(const StateTable& states, const ParameterSpace& space, const Field& field);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <glm/geometric.hpp>
 #include <glm/mat3x3.hpp>
 #include <glm/matrix.hpp>
 #include <optional>
@@ -17,8 +18,20 @@ constexpr int kNumbersInRow = 1024;  // triangle numbers are two coordinates, ea
 constexpr size_t kSamplesOfState = 2500, kSamplesOfObject = 40000, kFewestSamples = 100;
 constexpr float kLargestReach = 1.0f / 64;  // of the domain: at a silhouette a pixel reaches over all of it
 
-int cell_of(float coordinate) {
-  return std::clamp(static_cast<int>(coordinate * VisibleSurface::kCells), 0, VisibleSurface::kCells - 1);
+int cell_of(float coordinate, int cells = VisibleSurface::kCells) {
+  return std::clamp(static_cast<int>(coordinate * static_cast<float>(cells)), 0, cells - 1);
+}
+
+constexpr int kFiner = VisibleSurface::kCells / VisibleSurface::kCoarseCells;
+
+bool holds(const DomainPart& part, const glm::vec2& uv) {
+  const glm::ivec2 cell = glm::ivec2(cell_of(uv.x), cell_of(uv.y)) / kFiner;
+  return cell.x >= part.low.x && cell.x < part.high.x && cell.y >= part.low.y && cell.y < part.high.y;
+}
+
+std::bitset<VisibleSurface::kCoarseCells> columns_between(int first, int last) {
+  using Row = std::bitset<VisibleSurface::kCoarseCells>;
+  return (~Row() >> static_cast<size_t>(VisibleSurface::kCoarseCells - 1 - last + first)) << static_cast<size_t>(first);
 }
 
 // The same mesh with its triangles' numbers for coordinates.
@@ -163,14 +176,44 @@ void VisibleSurface::see(int row, const CellRow& cells) {
 }
 
 void VisibleSurface::meet(const glm::vec2& low, const glm::vec2& high) {
-  for (int d = 0; d < 2; ++d)
-    for (int i = cell_of(low[d]); i <= cell_of(high[d]); ++i) met_[d].set(static_cast<size_t>(i));
+  const auto columns = columns_between(cell_of(low.x, kCoarseCells), cell_of(high.x, kCoarseCells));
+  for (int row = cell_of(low.y, kCoarseCells); row <= cell_of(high.y, kCoarseCells); ++row)
+    met_[static_cast<size_t>(row)] |= columns;
+}
+
+bool VisibleSurface::meets(int dimension, int i) const {
+  const auto at = static_cast<size_t>(i);
+  if (dimension == 1) return met_[at].any();
+  return std::any_of(met_.begin(), met_.end(), [&](const auto& row) { return row[at]; });
+}
+
+VisibleSurface VisibleSurface::within(const DomainPart& part) const {
+  VisibleSurface inside;
+  const glm::ivec2 low = kFiner * part.low, last = kFiner * part.high - 1;
+  for (const Run& run : seen_) {
+    const auto first = std::max<int>(run.first, low.x), end = std::min<int>(run.last, last.x);
+    if (run.row < low.y || run.row > last.y || first > end) continue;
+    inside.seen_.push_back({run.row, static_cast<int16_t>(first), static_cast<int16_t>(end)});
+  }
+  for (const SurfaceSample& sample : samples_)
+    if (holds(part, sample.uv)) inside.samples_.push_back(sample);
+  if (inside.visible() && inside.samples_.empty()) inside.add_sample(*nearest_sample(inside.seen_.front()));
+  for (int row = part.low.y; row < part.high.y; ++row)
+    inside.met_[static_cast<size_t>(row)] = met_[static_cast<size_t>(row)] & columns_between(part.low.x, part.high.x - 1);
+  return inside;
+}
+
+const SurfaceSample* VisibleSurface::nearest_sample(const Run& run) const {
+  const glm::vec2 at = glm::vec2(run.first, run.row) / float{kCells};
+  const auto distance = [&](const SurfaceSample& sample) { return glm::distance(sample.uv, at); };
+  return &*std::min_element(samples_.begin(), samples_.end(),
+                            [&](const SurfaceSample& a, const SurfaceSample& b) { return distance(a) < distance(b); });
 }
 
 void VisibleSurface::merge(const VisibleSurface& other) {
   samples_.insert(samples_.end(), other.samples_.begin(), other.samples_.end());
   seen_.insert(seen_.end(), other.seen_.begin(), other.seen_.end());
-  for (size_t d = 0; d < 2; ++d) met_[d] |= other.met_[d];
+  for (size_t row = 0; row < kCoarseCells; ++row) met_[row] |= other.met_[row];
 }
 
 std::vector<glm::vec2> VisibleSurface::outline(const glm::vec2& cut) const {
@@ -178,12 +221,23 @@ std::vector<glm::vec2> VisibleSurface::outline(const glm::vec2& cut) const {
     const float low = static_cast<float>(i) / kCells;
     return low < at ? low + 1 : low;
   };
+  struct Extent {
+    float low = 2, high = -1;
+  };
+  std::vector<Extent> rows(kCells);
+  for (const Run& run : seen_) {
+    Extent& row = rows[static_cast<size_t>(run.row)];
+    row.low = std::min(row.low, border(run.first, cut.x));
+    row.high = std::max(row.high, border(run.last, cut.x));
+  }
+  constexpr float kCell = 1.0f / kCells;
   std::vector<glm::vec2> corners;
-  for (const Run& run : seen_)
-    for (const int i : {run.first, run.last}) {
-      const glm::vec2 low(border(i, cut.x), border(run.row, cut.y));
-      for (const int corner : {0, 1, 2, 3}) corners.push_back(low + glm::vec2(corner & 1, corner >> 1) / float{kCells});
-    }
+  for (int row = 0; row < kCells; ++row) {
+    const auto& [low, high] = rows[static_cast<size_t>(row)];
+    if (low > high) continue;
+    for (const float v : {border(row, cut.y), border(row, cut.y) + kCell})
+      for (const float u : {low, high + kCell}) corners.emplace_back(u, v);
+  }
   return corners;
 }
 

@@ -22,16 +22,27 @@ struct SurfaceSample {
   glm::mat2 uv_per_pixel{0};  // columns: along x, along y (upwards)
 };
 
+// A rectangle of the domain, in its coarse cells (VisibleSurface::kCoarseCells); `high` lies beyond it.
+struct DomainPart {
+  glm::ivec2 low{0}, high{0};
+  bool operator==(const DomainPart&) const = default;
+};
+
 // Of one object in one state, or of several states together.
 class VisibleSurface {
  public:
-  static constexpr int kCells = 512;  // of the domain [0, 1]^2, along one dimension
+  static constexpr int kCells = 512;       // of the domain [0, 1]^2, along one dimension
+  static constexpr int kCoarseCells = 64;  // likewise
+  static constexpr DomainPart kWholeDomain{{0, 0}, {kCoarseCells, kCoarseCells}};
 
   bool visible() const { return !seen_.empty(); }
   const std::vector<SurfaceSample>& samples() const { return samples_; }
-  // Whether cell column `i` of the u (v) dimension meets a triangle of which something is seen.
-  bool meets(int dimension, int i) const { return met_[static_cast<size_t>(dimension)][static_cast<size_t>(i)]; }
-  // Corners of the ends of all runs of seen cells, after a cut along borders of cells: their hull holds all that is seen.
+  // Whether coarse cell column `i` of the u (v) dimension meets a triangle of which something is seen.
+  bool meets(int dimension, int i) const;
+  // What lies in a part of the domain. Where something is seen of that, it has a sample.
+  VisibleSurface within(const DomainPart& part) const;
+  // Corners of the ends of all rows of seen cells, after a cut along borders of cells that are not seen: their hull holds all
+  // that is seen.
   std::vector<glm::vec2> outline(const glm::vec2& cut) const;
 
   using CellRow = std::bitset<kCells>;
@@ -44,9 +55,11 @@ class VisibleSurface {
   struct Run {
     int16_t row = 0, first = 0, last = 0;  // cells of a row in v
   };
+  const SurfaceSample* nearest_sample(const Run& run) const;
+
   std::vector<SurfaceSample> samples_;
   std::vector<Run> seen_;
-  std::array<CellRow, 2> met_;
+  std::array<std::bitset<kCoarseCells>, kCoarseCells> met_;  // rows in v
 };
 
 // [state][object]. `options`: picture size and supersampling.

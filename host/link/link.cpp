@@ -165,8 +165,10 @@ class Linker {
   static void add_texture(const Field& field, fb::FieldT& out) {
     out.texture_width = static_cast<uint32_t>(field.texture_width);
     out.texture_height = static_cast<uint32_t>(field.texture_height);
+    out.patches = static_cast<uint8_t>(field.maps.front().patch_count);
     for (const TextureMap& map : field.maps)
-      for (const float value : map.values()) out.maps.push_back(value);
+      for (size_t patch = 0; patch < out.patches; ++patch)
+        for (const float value : map.patches[patch].values()) out.maps.push_back(value);
     out.block_maps = field.block_maps;
   }
 

@@ -18,7 +18,7 @@ struct EncodedMesh {
   uint32_t vertex_count = 0;  // vertices that no triangle uses are dropped
 };
 
-// `vertices`: in [0, 1] in texture coordinates; those that lie on the grid come back exactly (host/base/mesh_grid.h).
+// `vertices`: texture coordinates in [0, 1] of their patches; those that lie on the grid come back exactly (host/base/mesh_grid.h).
 // `indices`: triangles, each index < vertices.size(), the first `culled_index_count` of them single-sided. Triangles stay on
 // their side of that border and keep their winding; within a side they are reordered, and a triangle may begin at another of
 // its corners. The result depends on the input alone.

@@ -9,10 +9,10 @@
 namespace vitrine {
 namespace {
 
-// params[0..3]: clip_from_object, by columns; params[4]: what a probe is given; then two rows a texture: the linear part of its
-// map, its offset, its cut.
-constexpr int kFirstMap = 5;
-int uniform_count(int textures) { return kFirstMap + 2 * textures; }
+// params[0..3]: clip_from_object, by columns; params[4]: what a probe is given; then for each patch of each texture two rows:
+// the linear part of its map, its offset, its cut.
+constexpr int kFirstMap = 5, kRows = 2 * kMaxPatches;
+int uniform_count(int textures) { return kFirstMap + kRows * textures; }
 
 std::string suffix(int texture) { return texture == 0 ? "" : std::to_string(texture); }
 
@@ -23,20 +23,23 @@ std::string declare_uniforms(int textures) {
 std::string vertex_source(int textures) {
   std::string outputs, places;
   for (int t = 0; t < textures; ++t) {
-    const std::string row = std::to_string(kFirstMap + 2 * t), next = std::to_string(kFirstMap + 2 * t + 1);
+    const std::string row = std::to_string(kFirstMap + kRows * t) + " + 2 * number";
     outputs += "out vec2 surface" + suffix(t) + ";\n";
-    places += "  surface" + suffix(t) + " = place(params[" + row + "], params[" + next + "]);\n";
+    places += "  surface" + suffix(t) + " = place(coordinate, params[" + row + "], params[" + row + " + 1]);\n";
   }
   return declare_uniforms(textures) + R"(
 layout(location = 0) in vec3 position;
 layout(location = 1) in vec2 mesh_coordinate;
-)" + outputs +
+const float patch_step = )" +
+         std::to_string(kPatchStep) + ", last_patch = float(" + std::to_string(kMaxPatches - 1) + ");\n" + outputs +
          R"(
-vec2 place(vec4 u, vec4 v) {
-  vec2 unwrapped = mesh_coordinate + vec2(lessThan(mesh_coordinate, vec2(u.w, v.w)));
+vec2 place(vec2 coordinate, vec4 u, vec4 v) {
+  vec2 unwrapped = coordinate + vec2(lessThan(coordinate, vec2(u.w, v.w)));
   return vec2(dot(u.xy, unwrapped) + u.z, dot(v.xy, unwrapped) + v.z);
 }
 void main() {
+  int number = int(clamp(mesh_coordinate.x / patch_step, 0.0, last_patch));
+  vec2 coordinate = mesh_coordinate - vec2(patch_step * float(number), 0.0);
 )" + places +
          R"(
   gl_Position = mat4(params[0], params[1], params[2], params[3]) * vec4(position, 1.0);
@@ -96,9 +99,9 @@ SurfaceUniforms::SurfaceUniforms(const glm::mat4& clip_from_object, const glm::v
   std::memcpy(out + 16, &parameter, sizeof parameter);
   out += 4 * kFirstMap;
   for (const SurfaceTexture& texture : textures) {
-    const TextureMap& map = texture.map;
-    for (int row = 0; row < 2; ++row)
-      for (const float value : {map.linear[0][row], map.linear[1][row], map.offset[row], map.cut[row]}) *out++ = value;
+    for (const PatchMap& map : texture.map.patches)
+      for (int row = 0; row < 2; ++row)
+        for (const float value : {map.linear[0][row], map.linear[1][row], map.offset[row], map.cut[row]}) *out++ = value;
   }
 }
 

@@ -27,7 +27,7 @@ class SurfaceUniforms {
 
  private:
   size_t count_;
-  std::array<float, 4 * (5 + 2 * kMaxSurfaceTextures)> values_;
+  std::array<float, 4 * (5 + 2 * kMaxPatches * kMaxSurfaceTextures)> values_;
 };
 
 }  // namespace vitrine

@@ -66,7 +66,7 @@ TEST(Image, WhatWasWrittenIsReadBack) {
 
 TEST(Image, ABlockLiesOnTheMeshByTheMapThatWasWrittenForIt) {
   TestImage image = make_test_image();
-  const TextureMap maps[] = {{}, {{0.25f, 1}, glm::mat2(0.5f, 0.125f, -0.25f, 2), {0.75f, -1}}};
+  const TextureMap maps[] = {{}, PatchMap{{0.25f, 1}, glm::mat2(0.5f, 0.125f, -0.25f, 2), {0.75f, -1}}};
   fb::FieldT& written = *image.directory.objects[0]->fields[1];
   written.maps.clear();
   for (const TextureMap& map : maps) test::add_map(written, map);
@@ -78,6 +78,27 @@ TEST(Image, ABlockLiesOnTheMeshByTheMapThatWasWrittenForIt) {
   for (const int block : {0, 1, 2, 5}) EXPECT_EQ(opened.value().map_of(several, block), maps[block % 2]) << block;
   const fb::Field& still = *opened.value().directory().objects()->Get(1)->fields()->Get(0);
   EXPECT_EQ(opened.value().map_of(still, 0), TextureMap{}) << "without numbers all blocks have the first";
+}
+
+TEST(Image, EachPatchOfAMeshLiesByTheMapThatWasWrittenForIt) {
+  TestImage image = make_test_image();
+  TextureMap maps[2];
+  for (int block = 0; block < 2; ++block) {
+    maps[block].patch_count = 3;
+    for (int k = 0; k < kMaxPatches; ++k)  // beyond the last patch: as the last
+      maps[block].patches[static_cast<size_t>(k)].offset = {block, std::min(k, 2)};
+  }
+  fb::FieldT& written = *image.directory.objects[0]->fields[1];
+  written.maps.clear();
+  for (const TextureMap& map : maps) test::add_map(written, map);
+  const AlignedBytes file = image.file();
+  const Result<ImageView> opened = ImageView::open(file.bytes());
+  ASSERT_TRUE(opened.ok()) << opened.status().detail();
+  const fb::Field& field = *opened.value().directory().objects()->Get(0)->fields()->Get(1);
+  for (const int block : {0, 1}) {
+    EXPECT_EQ(opened.value().map_of(field, block), maps[block]);
+    EXPECT_EQ(opened.value().map_of(field, block)({2 * 1 + 0.25f, 0.5f}), glm::vec2(block + 0.25f, 1.5f));
+  }
 }
 
 TEST(Image, BlendedSamplesOfAFieldLieOnTheMeshByOneMap) {
@@ -291,6 +312,11 @@ const Defect kDefects[] = {
          i.directory.objects.back()->fields[0]->maps.assign(kTextureMapValues * 65536, 0.5f);
        }
      }},
+    {"PatchesNone", [](TestImage& i) { field_of(i).patches = 0; }},
+    {"PatchesTooMany", [](TestImage& i) { field_of(i).patches = kMaxPatches + 1; }},
+    {"PatchesFarTooMany", [](TestImage& i) { field_of(i).patches = 255; }},
+    {"MapOfAPatchMissing", [](TestImage& i) { field_of(i).patches = 3; }},
+    {"BlockMapThatDoesNotExistForAllPatches", [](TestImage& i) { field_of(i).patches = 2; }},
     {"MapCutNegative", [](TestImage& i) { field_of(i).maps[8] = -0.01f; }},
     {"MapCutBeyondOne", [](TestImage& i) { field_of(i).maps[9] = 1.01f; }},
     {"MapCutNaN", [](TestImage& i) { field_of(i).maps[0] = kNaN; }},

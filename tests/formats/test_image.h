@@ -95,8 +95,11 @@ inline std::unique_ptr<fb::RigNodeT> make_node(int32_t parent, float z) {
 }
 
 inline void add_map(fb::FieldT& field, const TextureMap& map) {
-  const auto values = map.values();
-  field.maps.insert(field.maps.end(), values.begin(), values.end());
+  field.patches = static_cast<uint8_t>(map.patch_count);
+  for (size_t patch = 0; patch < field.patches; ++patch) {
+    const auto values = map.patches[patch].values();
+    field.maps.insert(field.maps.end(), values.begin(), values.end());
+  }
 }
 
 // A field of blocks of 4 samples with three levels, which lie on the mesh by two maps in turn; every third node on the grid has
@@ -108,7 +111,7 @@ inline std::unique_ptr<fb::FieldT> make_field(TestImage& image, const std::strin
   field->texture_width = 40;
   field->texture_height = 24;
   add_map(*field, {});
-  add_map(*field, {{0.25f, 0}, glm::mat2(0.5f, 0.125f, -0.25f, 2), {0.75f, -1}});
+  add_map(*field, PatchMap{{0.25f, 0}, glm::mat2(0.5f, 0.125f, -0.25f, 2), {0.75f, -1}});
   FieldShape shape;
   shape.space.axis_count = static_cast<int>(image.directory.axes.size());
   for (int a = 0; a < shape.space.axis_count; ++a)

@@ -108,7 +108,7 @@ TEST_P(EveryDevice, RefusesIncompletePrograms) {
   EXPECT_FALSE(gpu->create_program({.vertex = kVertex}).ok());
   EXPECT_FALSE(gpu->create_program({.vertex = kVertex, .fragment = kFragment, .samplers = nine}).ok());
   EXPECT_FALSE(
-      gpu->create_program({.vertex = kVertex, .fragment = kFragment, .samplers = kTextureName, .uniform_count = 65}).ok());
+      gpu->create_program({.vertex = kVertex, .fragment = kFragment, .samplers = kTextureName, .uniform_count = 193}).ok());
 }
 
 TEST_P(EveryDevice, RefusesDrawsThatDoNotFitTheirProgramOrMesh) {

@@ -123,8 +123,8 @@ ShownObjects board_and_card(int board_width, int board_height, int card_width, i
   board.indices = {0, 1, 2, 0, 2, 3};
   card.vertices = {{-0.5f, -0.9f, 0, 0, 0}, {0.6f, -0.8f, 0, 1, 0}, {0.5f, 0.4f, -0.4f, 0.9f, 1}};
   card.indices = {0, 1, 2};
-  const TextureMap turned{{0, 0}, glm::mat2(0.9f, 0.2f, -0.25f, 0.8f), {0.1f, -0.02f}};
-  const TextureMap beyond{{0, 0}, glm::mat2(1.2f, 0, 0, 1), {-0.1f, 0}};  // the texture ends before the card does
+  const PatchMap turned{{0, 0}, glm::mat2(0.9f, 0.2f, -0.25f, 0.8f), {0.1f, -0.02f}};
+  const PatchMap beyond{{0, 0}, glm::mat2(1.2f, 0, 0, 1), {-0.1f, 0}};  // the texture ends before the card does
   return {{board, card}, {{board_width, board_height}, {card_width, card_height}}, {turned, beyond}};
 }
 

@@ -18,6 +18,8 @@
 namespace vitrine::testing {
 namespace {
 
+const std::vector<DomainPart> kOnePatch{VisibleSurface::kWholeDomain};
+
 glm::mat2 turned(float angle) { return {std::cos(angle), std::sin(angle), -std::sin(angle), std::cos(angle)}; }
 
 // Places under a grid over a part of the domain, all stretched alike: `pixels_per_uv` maps steps in the domain to the screen.
@@ -98,7 +100,7 @@ TEST(TextureCoordinates, WhatTheSeamDividesIsMadeWhole) {
                    whole = fit_texture(flat_surface({0.2f, 0.1f}, {0.8f, 0.9f}, pixels_per_uv), {});
   EXPECT_NEAR(fit.size.x * fit.size.y, whole.size.x * whole.size.y, 0.03f * whole.size.x * whole.size.y);
   // Both sides of the seam lie side by side.
-  const TextureMap map = map_of(fit, 512, 512);
+  const PatchMap map = map_of(fit, {{0, 0}, {512, 512}}, {512, 512});
   EXPECT_NEAR(glm::length(map({1, 0.5f}) - map({0, 0.5f})), 0, 1e-5f);
   EXPECT_LT(glm::length(map({0.99f, 0.5f}) - map({0.01f, 0.5f})), 0.04f);
 }
@@ -117,18 +119,14 @@ TEST(TextureCoordinates, ASlantedStripGetsASlantedRectangle) {
   EXPECT_NEAR(smallest_rectangle(points, 5).texels, 100 * 20, 100);
 }
 
-TEST(TextureCoordinates, ItFillsTheTextureThatItGets) {
+TEST(TextureCoordinates, ItFillsTheSlotThatItGets) {
   TextureFit fit;
   fit.linear = glm::mat2(900, 0, 0, 50);
   fit.low = {90, 5};
   fit.size = {720, 40};
-  const TextureMap map = map_of(fit, 128, 64);
-  for (const glm::vec2& corner : {glm::vec2(0.1f, 0.1f), glm::vec2(0.9f, 0.9f)}) {
-    const glm::vec2 texel = map(corner) * glm::vec2(128, 64);
-    EXPECT_GE(texel.x, kTextureMargin - 0.01f);
-    EXPECT_LE(texel.x, 128 - kTextureMargin + 0.01f);
-  }
-  EXPECT_NEAR((map({0, 0.9f}) - map({0, 0.1f})).y * 64, 64 - 2 * kTextureMargin, 1e-3f);
+  const PatchMap map = map_of(fit, {{20, 4}, {100, 30}}, {128, 64});
+  EXPECT_NEAR(glm::distance(map({0.1f, 0.1f}) * glm::vec2(128, 64), glm::vec2(20, 4)), 0, 1e-3f);
+  EXPECT_NEAR(glm::distance(map({0.9f, 0.9f}) * glm::vec2(128, 64), glm::vec2(120, 34)), 0, 1e-3f);
 }
 
 class SurveyTest : public ::testing::Test {
@@ -223,7 +221,7 @@ TEST_F(SurveyTest, ABlockHoldsWhatItsSamplesAndTheirNeighboursShow) {
   EXPECT_EQ(blocks[2].back(), 13);
   std::vector<const VisibleSurface*> own;
   for (const auto& state : surfaces) own.push_back(&state[0]);
-  lay_out(geometry.table, space, own, {}, field);
+  lay_out(geometry.table, space, own, kOnePatch, {}, field);
   ASSERT_EQ(field.maps.size(), 3u);  // alike for both lamps
   for (int64_t sample = 0; sample < field.space.sample_count(); ++sample) {
     const int view = field.space.index_from_flat(sample)[0];
@@ -242,8 +240,8 @@ TEST_F(SurveyTest, ABlockNeedsFewerTexelsThanAllViewsTogether) {
   for (const auto& state : surfaces) own.push_back(&state[0]);
   Field blocks = field_of(*scene, 3), whole = field_of(*scene, 2);
   whole.stagger = {};
-  lay_out(geometry.table, scene->space(), own, {}, blocks);
-  lay_out(geometry.table, scene->space(), own, {}, whole);
+  lay_out(geometry.table, scene->space(), own, kOnePatch, {}, blocks);
+  lay_out(geometry.table, scene->space(), own, kOnePatch, {}, whole);
   EXPECT_EQ(whole.maps.size(), 1u);
   EXPECT_LT(blocks.texture_width * blocks.texture_height, whole.texture_width * whole.texture_height);
 }
@@ -252,7 +250,7 @@ TEST_F(SurveyTest, WhereSamplesAreBlendedAllBlocksLieAlike) {
   std::vector<const VisibleSurface*> own;
   for (const auto& state : surfaces) own.push_back(&state[0]);
   Field field = field_of(*scene, 3);
-  lay_out(geometry.table, scene->space(), own, {.one_map = true}, field);
+  lay_out(geometry.table, scene->space(), own, kOnePatch, {.one_map = true}, field);
   EXPECT_EQ(field.maps.size(), 1u);
   EXPECT_TRUE(field.block_maps.empty());
 }

@@ -134,7 +134,7 @@ std::unique_ptr<Input> make_input() {
     input->encoded.push_back(encoded_field(field.space, static_cast<uint32_t>(input->encoded.size())));
     field.texture_width = 48 - f.drawn;
     field.texture_height = 32 + static_cast<int>(f.axes);
-    field.maps = {{{0.5f, 0}, glm::mat2(1, 2, 3, 4), {5, static_cast<float>(f.axes)}}};
+    field.maps = {PatchMap{{0.5f, 0}, glm::mat2(1, 2, 3, 4), {5, static_cast<float>(f.axes)}}};
     input->inference.fields.push_back(std::move(field));
   }
   input->link = {.scene = &scene,
@@ -197,13 +197,25 @@ TEST(Link, EveryBlockKeepsItsOwnMap) {
   input->scene.settings.interpolate = false;
   Field& field = input->inference.fields[2];
   ASSERT_EQ(input->encoded[2].shape.block_count(), 2);
-  field.maps.push_back({{0, 0.25f}, glm::mat2(2), {-1, 0}});
+  field.maps.push_back(PatchMap{{0, 0.25f}, glm::mat2(2), {-1, 0}});
   field.block_maps = {1, 0};
   const AlignedBytes file(link_image(input->link));
   const ImageView view = ImageView::open(file.bytes()).value();
   const fb::Field& linked = *view.directory().objects()->Get(0)->fields()->Get(1);
   EXPECT_EQ(view.map_of(linked, 0), field.maps[1]);
   EXPECT_EQ(view.map_of(linked, 1), field.maps[0]);
+}
+
+TEST(Link, EveryPatchKeepsItsOwnMap) {
+  const auto input = make_input();
+  TextureMap& map = input->inference.fields[2].maps.front();
+  map.patch_count = 3;
+  for (size_t k = 0; k < kMaxPatches; ++k) map.patches[k].offset.x = static_cast<float>(std::min<size_t>(k, 2));
+  const AlignedBytes file(link_image(input->link));
+  const ImageView view = ImageView::open(file.bytes()).value();
+  const fb::Field& linked = *view.directory().objects()->Get(0)->fields()->Get(1);
+  EXPECT_EQ(linked.patches(), 3);
+  EXPECT_EQ(view.map_of(linked, 0), map);
 }
 
 TEST(Link, TheRigIsCutDownAndMovesAsBefore) {

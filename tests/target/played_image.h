@@ -161,7 +161,7 @@ class PlayedImage {
     const auto w = static_cast<float>(options_.supersampling * options_.width),
                h = static_cast<float>(options_.supersampling * options_.height);
     const glm::vec2 size(width, height), corner(placement.left, placement.bottom), cut(placement.cut ? 0.5f : 0.0f, 0);
-    return {cut, glm::mat2(w / size.x, 0, 0, h / size.y), (corner - cut * glm::vec2(w, h)) / size};
+    return PatchMap{cut, glm::mat2(w / size.x, 0, 0, h / size.y), (corner - cut * glm::vec2(w, h)) / size};
   }
 
   void add_field(fb::ObjectT& object, AxisMask axes, int width, int height, const std::vector<Placement>& placements) {

@@ -26,8 +26,9 @@ float texel(int seed, int x, int y, int channel) {
 struct Drawn {
   std::unique_ptr<hal::Gpu> gpu = std::move(hal::create_osmesa_gpu(kWidth, kHeight).value());
   SceneDrawer drawer;
+  float raise_of_right;  // of its mesh coordinates, in u
 
-  explicit Drawn(int max_textures = 2) {
+  explicit Drawn(int max_textures = 2, float raise = 0) : raise_of_right(raise) {
     auto made = SceneDrawer::create(*gpu, {.width = kWidth,
                                            .height = kHeight,
                                            .supersampling = 1,
@@ -54,11 +55,12 @@ struct Drawn {
     return made;
   }
 
-  // The picture's left half and its right half, whose mesh coordinates together go from (0, 0) to (1, 1).
+  // The picture's left half and its right half, whose mesh coordinates together go from (0, 0) to (1, 1), but for the raise.
   DrawMesh halves() {
-    const float seam = std::nextafter(0.5f, 0.0f);
-    const std::vector<MeshVertex> vertices{{-1, -1, 0, 0, 0},   {0, -1, 0, seam, 0}, {0, 1, 0, seam, 1}, {-1, 1, 0, 0, 1},
-                                           {0, -1, 0, 0.5f, 0}, {1, -1, 0, 1, 0},    {1, 1, 0, 1, 1},    {0, 1, 0, 0.5f, 1}};
+    const float seam = std::nextafter(0.5f, 0.0f), r = raise_of_right;
+    const std::vector<MeshVertex> vertices{{-1, -1, 0, 0, 0},   {0, -1, 0, seam, 0},     {0, 1, 0, seam, 1},
+                                           {-1, 1, 0, 0, 1},    {0, -1, 0, 0.5f + r, 0}, {1, -1, 0, 1 + r, 0},
+                                           {1, 1, 0, 1 + r, 1}, {0, 1, 0, 0.5f + r, 1}};
     const std::vector<uint32_t> indices{0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7};
     return drawer.create_mesh(vertices, indices, 12).value();
   }
@@ -90,7 +92,7 @@ TEST(SceneDrawer, TexturesOfASurfaceAddEachWhereItsMapLaysIt) {
   const auto second = [](int x, int y, int c) { return texel(60, x, y, c); };
   const SurfaceTexture whole{drawn.texture(kWidth, kHeight, first), {}};
   // 40 x 64 texels: pixel (x, y) lies in column 30 - y and row 7 + x.
-  TextureMap turned;
+  PatchMap turned;
   turned.linear = glm::mat2(0, kWidth / 64.0f, -kHeight / 40.0f, 0);
   turned.offset = {31 / 40.0f, 7 / 64.0f};
   const SurfaceTexture part{drawn.texture(40, 64, second), turned};
@@ -103,9 +105,23 @@ TEST(SceneDrawer, ACutTextureShowsWhatAnUncutOneShowsThatIsRolledByTheCut) {
   const auto color = [](int x, int y, int c) { return texel(0, x, y, c); };
   const SurfaceTexture uncut{drawn.texture(kWidth, kHeight, color), {}};
   const auto rolled = [&](int x, int y, int c) { return color((x + kWidth / 2) % kWidth, y, c); };
-  const SurfaceTexture cut{drawn.texture(kWidth, kHeight, rolled), {{0.5f, 0}, glm::mat2(1), {-0.5f, 0}}};
+  const SurfaceTexture cut{drawn.texture(kWidth, kHeight, rolled), PatchMap{{0.5f, 0}, glm::mat2(1), {-0.5f, 0}}};
   expect_picture(drawn.picture({uncut}), color);
   expect_picture(drawn.picture({cut}), color);
+}
+
+// The halves change sides in the texture, and each patch's map brings its own back.
+TEST(SceneDrawer, EachPatchOfASurfaceIsLaidByItsOwnMap) {
+  Drawn drawn(2, kPatchStep);
+  const auto color = [](int x, int y, int c) { return texel(0, x, y, c); };
+  const auto swapped = [&](int x, int y, int c) { return color((x + kWidth / 2) % kWidth, y, c); };
+  TextureMap map;
+  map.patch_count = 2;
+  map.patches.fill(PatchMap{{}, glm::mat2(1), {-0.5f, 0}});
+  map.patches[0].offset.x = 0.5f;
+  const SurfaceTexture texture{drawn.texture(kWidth, kHeight, swapped), map};
+  expect_picture(drawn.picture({texture}), color);
+  expect_picture(drawn.picture({texture, texture}), [&](int x, int y, int c) { return 2 * color(x, y, c); });
 }
 
 TEST(SceneDrawer, ASurfaceWithoutTexturesIsBlack) {

@@ -36,8 +36,9 @@ nlohmann::json object_json(const ImageView& image, const fb::Object& object) {
     }
     layers.push_back({{"name", field->layer()->str()},
                       {"texture", {field->texture_width(), field->texture_height()}},
-                      {"maps", field->maps()->size() / kTextureMapValues},
+                      {"maps", field->maps()->size() / kTextureMapValues / field->patches()},
                       {"coder", fb::EnumNameNodeCoder(field->coder())},
+                      {"patches", field->patches()},
                       {"bytes", field_bytes(image, *field)},
                       {"samples", shape.space.sample_count()},
                       {"blocks", shape.block_count()},
