@@ -18,7 +18,7 @@
 namespace vitrine {
 namespace {
 
-constexpr double kPatchesPay = 0.85;  // of the texels without them, at most: content that ends at a gutter costs bits, too
+constexpr double kPatchesPay = 0.9;  // of the texels without them, at most: content that ends at a gutter costs bits, too
 
 std::vector<DrawnObject> draw_objects(const Scene& scene) {
   const Pose pose = pose_scene(scene, scene.space().position_of({}));
