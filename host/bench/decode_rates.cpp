@@ -75,17 +75,19 @@ double psnr_of(std::span<const NodePicture> pictures, NodeDesign& design) {
   return 10 * std::log10(4095.0 * 4095.0 * texels / error);
 }
 
-// Of libjpeg-turbo with the same PSNR, within what the whole numbers of its quantizers allow.
-std::unique_ptr<NodeDesign> matched_jpeg(std::span<const NodePicture> pictures, double psnr, Progress& progress) {
+using ScaledDesign = std::unique_ptr<NodeDesign> (*)(std::span<const NodePicture>, double scale);
+
+// A design with the same PSNR, within what the whole numbers of its quantizers allow.
+std::unique_ptr<NodeDesign> matched(ScaledDesign design, std::span<const NodePicture> pictures, double psnr, Progress& progress) {
   constexpr int kSteps = 9;
   double low = std::log(0.05), high = std::log(20.0);
   progress.begin("finding quantizers of equal PSNR", kSteps, 0, "steps");
   for (int i = 0; i < kSteps; ++i, progress.advance(1)) {
     const double middle = (low + high) / 2;
-    (psnr_of(pictures, *jpeg_design(pictures, std::exp(middle))) > psnr ? low : high) = middle;
+    (psnr_of(pictures, *design(pictures, std::exp(middle))) > psnr ? low : high) = middle;
   }
   progress.end();
-  return jpeg_design(pictures, std::exp(low));
+  return design(pictures, std::exp(low));
 }
 
 struct Timed {
@@ -153,10 +155,9 @@ DecodeRates measure_decoding(std::span<const NodePicture> pictures, int repetiti
   for (const NodePicture& picture : pictures) rates.texels += picture.texels();
   const auto dct = dct_design(pictures);
   const double psnr = psnr_of(pictures, *dct);
-  const auto jpeg = matched_jpeg(pictures, psnr, progress);
-  const double jpeg_psnr = psnr_of(pictures, *jpeg);
-  // A further design of coder is a line here.
-  std::vector<Timed> designs = {{"dct", dct.get()}, {"libjpeg-turbo", jpeg.get()}, {"copy", nullptr, dct.get()}};
+  const auto jpeg = matched(jpeg_design, pictures, psnr, progress), spiht = matched(spiht_design, pictures, psnr, progress);
+  std::vector<Timed> designs = {
+      {"dct", dct.get()}, {"libjpeg-turbo", jpeg.get()}, {"spiht", spiht.get()}, {"copy", nullptr, dct.get()}};
   Ring ring, source;
   progress.begin("decoding", repetitions, 0, "rounds");
   for (int round = 0; round < repetitions; ++round, progress.advance(1))
@@ -167,8 +168,8 @@ DecodeRates measure_decoding(std::span<const NodePicture> pictures, int repetiti
     }
   progress.end();
   for (const Timed& timed : designs) rates.rows.push_back(rate_of(timed, pictures, static_cast<double>(rates.texels)));
-  rates.rows[0].psnr_db = psnr;
-  rates.rows[1].psnr_db = jpeg_psnr;
+  for (size_t i = 0; i < designs.size(); ++i)
+    if (designs[i].design) rates.rows[i].psnr_db = psnr_of(pictures, *designs[i].design);
   for (DecodeRate& row : rates.rows) {
     row.relative = row.texels_s / rates.rows[1].texels_s;
     row.share_of_copy = row.bytes_s / rates.rows.back().bytes_s;

@@ -33,6 +33,10 @@ std::unique_ptr<NodeDesign> dct_design(std::span<const NodePicture> pictures);
 // measured time. Quantizers are flat: `scale` times the node's own steps.
 std::unique_ptr<NodeDesign> jpeg_design(std::span<const NodePicture> pictures, double scale);
 
+// The image's second coder, whatever the image was coded by: `scale` times the node's own steps, and the price that belongs to
+// them; built-in contexts.
+std::unique_ptr<NodeDesign> spiht_design(std::span<const NodePicture> pictures, double scale);
+
 struct DecodeRate {
   std::string coder;
   double texels_s = 0, bytes_s = 0;  // decoded texels; bytes of decoded planes

@@ -94,6 +94,7 @@ Result<uint64_t> SpihtDecoder::step(uint64_t units) {
     advance();
     if (declared_ != 0 && (spent_ > declared_ || (done() && spent_ != declared_))) {
       phase_ = Phase::kDone;
+      std::fill_n(state_.value[0], kNodePlanes * layout_.texels(), int16_t{0});  // what is neutral in a sum
       return Status{StatusCode::kMalformed, "node takes other units than it declares"};
     }
   }

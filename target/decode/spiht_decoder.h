@@ -22,7 +22,7 @@ class SpihtDecoder {
   // As NodeDecoder::start. `scratch`: spiht_scratch_words(width, height) words, need not be initialized; must live until done().
   Status start(const NodeDesc& desc, std::span<const std::byte> bytes, std::span<int16_t> planes, std::span<uint16_t> scratch);
   // As NodeDecoder::step: one bit of what hangs on one coefficient of the low band, or a few rows of the wavelet, is the least.
-  // `planes` hold a picture when the node is done, not before.
+  // `planes` hold a picture when the node is done, not before; zeros after an error.
   Result<uint64_t> step(uint64_t units);
   bool done() const { return phase_ == Phase::kDone; }
 

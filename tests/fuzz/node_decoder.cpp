@@ -1,12 +1,12 @@
 // Copyright 2026 The Vitrine Authors. SPDX-License-Identifier: Apache-2.0
 //
-// Any bytes as a node: its description first, then its contexts, then what is coded. Whatever they are, planes of exactly the
-// node's size suffice, values stay in range, units below what is declared, and a node that fails leaves nothing.
-#include "target/decode/node_decoder.h"
-
+// Any bytes as a node of either coder: its description first, then its contexts, then what is coded. Whatever they are, planes of
+// exactly the node's size suffice, values stay in range, units below what is declared, and a node that fails leaves nothing.
 #include <cstdlib>
 #include <cstring>
 #include <vector>
+
+#include "target/decode/any_node_decoder.h"
 
 namespace vitrine {
 namespace {
@@ -16,7 +16,10 @@ struct __attribute__((packed)) Header {
   uint16_t steps[3];
   uint32_t units;
   uint16_t step_units;
-  uint8_t wide, own_contexts;
+  uint8_t wide, flags;
+
+  bool own_contexts() const { return flags & 1; }
+  NodeCoder coder() const { return flags & 2 ? NodeCoder::kSpiht : NodeCoder::kDct; }
 };
 
 void check(bool holds) {
@@ -34,8 +37,9 @@ void decode(const Header& header, std::span<const uint8_t> contexts, std::span<c
   desc.units = header.units;
   desc.contexts = contexts;
   std::vector<int16_t> planes(kNodePlanes * static_cast<size_t>(desc.width) * static_cast<size_t>(desc.height), 77);
-  NodeDecoder decoder;
-  if (!decoder.start(desc, bytes, planes).ok()) return check(decoder.done());
+  std::vector<uint16_t> scratch(header.coder() == NodeCoder::kSpiht ? spiht_scratch_words(desc.width, desc.height) : 0);
+  AnyNodeDecoder decoder;
+  if (!decoder.start(header.coder(), desc, bytes, planes, scratch).ok()) return check(decoder.done());
   uint64_t spent = 0;
   while (!decoder.done()) {
     const Result<uint64_t> step = decoder.step(header.step_units);
@@ -60,9 +64,10 @@ extern "C" int LLVMFuzzerTestOneInput(const uint8_t* data, size_t size) {
   if (size < sizeof(header)) return 0;
   std::memcpy(&header, data, sizeof(header));
   std::vector<uint8_t> contexts, bytes(data + sizeof(header), data + size);  // of exactly their size, for the sanitizer
-  if (header.own_contexts % 2 && bytes.size() >= kContextBytesPerLevel) {
-    contexts.assign(bytes.begin(), bytes.begin() + kContextBytesPerLevel);
-    bytes.erase(bytes.begin(), bytes.begin() + kContextBytesPerLevel);
+  const size_t own = context_bytes_per_level(header.coder());
+  if (header.own_contexts() && bytes.size() >= own) {
+    contexts.assign(bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(own));
+    bytes.erase(bytes.begin(), bytes.begin() + static_cast<ptrdiff_t>(own));
   }
   decode(header, contexts, std::as_bytes(std::span(bytes)));
   return 0;
