@@ -49,8 +49,8 @@ std::vector<uint8_t> seed_of(test::TestImage image) {
   }
   std::vector<uint8_t> seed;
   append(seed, static_cast<uint32_t>(directory.size()));
-  for (const std::vector<std::byte>* part : {&directory, &behind})
-    for (const std::byte byte : *part) seed.push_back(static_cast<uint8_t>(byte));
+  for (const std::span<const std::byte> part : {std::span<const std::byte>(directory), std::span<const std::byte>(behind)})
+    for (const std::byte byte : part) seed.push_back(static_cast<uint8_t>(byte));
   return seed;
 }
 

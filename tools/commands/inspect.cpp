@@ -32,6 +32,8 @@ nlohmann::json object_json(const ImageView& image, const fb::Object& object) {
     for (int level = 0; level < shape.pyramid.level_count; ++level) {
       std::string cell;
       for (int axis = 0; axis < shape.space.axis_count; ++axis) cell += fmt::format("{}{}", axis ? "x" : "", shape.pyramid.cell[level][axis]);
+      if (shape.pyramid.has_differences(level))
+        cell += ":" + image.directory().axes()->Get(static_cast<uint32_t>(shape.pyramid.halved[level]))->name()->str();
       cells.push_back(cell.empty() ? "1" : cell);
     }
     layers.push_back({{"name", field->layer()->str()},
