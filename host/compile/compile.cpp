@@ -141,10 +141,12 @@ FieldSource field_source(const Scene& scene, const Inference& inference, int num
   return source;
 }
 
-// What an image holds beside the coded fields (meshes, rig, directory), as a first guess: build_to_size corrects it.
-uint64_t guessed_overhead(const Inference& inference) {
-  uint64_t bytes = 4096;
-  for (const DrawnObject& object : inference.objects) bytes += 256 + 5 * object.vertices.size() + object.indices.size() / 8;
+// What an image holds beside the coded fields: meshes, and about what was seen of rigs and directories. build_to_size corrects
+// it; a little too much saves it from coding everything again.
+uint64_t expected_overhead(const Inference& inference) {
+  constexpr uint64_t kRigAndDirectory = 1024, kObject = 128, kField = 320;
+  uint64_t bytes = kRigAndDirectory + kField * inference.fields.size();
+  for (const DrawnObject& object : inference.objects) bytes += kObject + mesh_section(object).bytes.size();
   return bytes;
 }
 
@@ -153,11 +155,12 @@ BuiltImage build_to_size(const Scene& scene, const Inference& inference, const S
                          uint64_t bytes, Progress& progress) {
   const std::vector<FieldSource> sources = field_sources(scene, inference, store);
   constexpr int kAttempts = 3;
-  int64_t overhead = static_cast<int64_t>(guessed_overhead(inference));
+  int64_t overhead = static_cast<int64_t>(expected_overhead(inference));
   for (int attempt = 1;; ++attempt) {
     const auto for_fields =
         static_cast<uint64_t>(std::max(static_cast<int64_t>(bytes) - overhead, static_cast<int64_t>(bytes / 16)));
-    BuiltImage image = build_image(scene, inference, encode_fields(sources, encode_options(scene, for_fields), progress), profile);
+    BuiltImage image =
+        build_image(scene, inference, encode_fields(sources, encode_options(scene, for_fields), progress), profile);
     const bool fits = image.bytes.size() <= bytes, full = image.bytes.size() * 1000 >= bytes * 985;
     const bool satisfied = image.field_bytes * 1000 < for_fields * 985;  // the fields had no more to say
     if (fits && (full || satisfied || attempt >= kAttempts)) return image;
@@ -261,6 +264,14 @@ BuiltImage build_image(const Scene& scene, const Inference& inference, const std
   return image;
 }
 
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+}  // namespace
+
 CompileReport compile_scene(const Scene& scene, const CompileOptions& options, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();
   if (options.image.extension() != ".vit")
@@ -279,16 +290,23 @@ CompileReport compile_scene(const Scene& scene, const CompileOptions& options, P
   CompileReport report;
   report.frames = static_cast<int64_t>(frames.size());
   report.raw_bytes = static_cast<uint64_t>(3) * scene.settings.width * scene.settings.height * scene.space().sample_count();
+  report.samples = scene.space().sample_count();
+  const auto trace_start = std::chrono::steady_clock::now();
   report.frames_rendered = render_missing(scene, frames, store, progress);
+  report.trace_seconds = seconds_since(trace_start);
 
+  const auto infer_start = std::chrono::steady_clock::now();
   const Inference inference =
       infer(scene, keys_of(frames), store, inference_options(scene, profile.supersampling, profile.filter), progress);
+  report.infer_seconds = seconds_since(infer_start);
+  const auto encode_start = std::chrono::steady_clock::now();
   BuiltImage built = build_to_size(scene, inference, store, profile, bytes, progress);
+  report.encode_seconds = seconds_since(encode_start);
   write_image(options.image, built.bytes);
   report.warnings = inference.warnings;
   report.warnings.insert(report.warnings.end(), built.misfits.begin(), built.misfits.end());
   report.bytes = built.bytes.size();
-  report.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  report.seconds = seconds_since(start);
   return report;
 }
 

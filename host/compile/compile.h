@@ -31,7 +31,9 @@ struct CompileOptions {
 struct CompileReport {
   uint64_t bytes = 0, raw_bytes = 0;       // raw: 24-bit RGB of all grid samples
   int64_t frames = 0, frames_rendered = 0;  // all that are traced; those that the store had not
+  int64_t samples = 0;                      // of the grid
   double seconds = 0;
+  double trace_seconds = 0, infer_seconds = 0, encode_seconds = 0;  // of the stages; what the store had takes next to none
   std::vector<std::string> warnings;       // one line each: what the profile does not provide for, ...
 };
 

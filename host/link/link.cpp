@@ -135,16 +135,15 @@ class Linker {
   }
 
   void add_mesh(const DrawnObject& drawn, fb::ObjectT& out) {
-    EncodedMesh mesh = encode_mesh(drawn.vertices, drawn.grid, drawn.indices, drawn.culled_index_count);
+    MeshSection mesh = mesh_section(drawn);
     out.vertex_count = mesh.vertex_count;
     out.index_count = static_cast<uint32_t>(drawn.indices.size());
     out.culled_index_count = drawn.culled_index_count;
-    out.coded_vertex_bytes = static_cast<uint32_t>(mesh.vertices.size());
-    out.coded_index_bytes = static_cast<uint32_t>(mesh.indices.size());
+    out.coded_vertex_bytes = mesh.coded_vertex_bytes;
+    out.coded_index_bytes = mesh.coded_index_bytes;
     out.grid_origin = to_vec3(drawn.grid.origin);
     out.grid_step = drawn.grid.step;
-    mesh.vertices.insert(mesh.vertices.end(), mesh.indices.begin(), mesh.indices.end());
-    out.mesh = add_section(fb::SectionKind::mesh, compress(mesh.vertices));
+    out.mesh = add_section(fb::SectionKind::mesh, std::move(mesh.bytes));
   }
 
   std::unique_ptr<fb::FieldT> make_field(const Field& field, const EncodedField& encoded) {
@@ -214,6 +213,17 @@ class Linker {
 };
 
 }  // namespace
+
+MeshSection mesh_section(const DrawnObject& object) {
+  EncodedMesh mesh = encode_mesh(object.vertices, object.grid, object.indices, object.culled_index_count);
+  MeshSection section;
+  section.vertex_count = mesh.vertex_count;
+  section.coded_vertex_bytes = static_cast<uint32_t>(mesh.vertices.size());
+  section.coded_index_bytes = static_cast<uint32_t>(mesh.indices.size());
+  mesh.vertices.insert(mesh.vertices.end(), mesh.indices.begin(), mesh.indices.end());
+  section.bytes = compress(mesh.vertices);
+  return section;
+}
 
 std::vector<std::byte> link_image(const LinkInput& input) {
   std::vector<std::byte> file = Linker(input).link();

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "host/encode/encode.h"
@@ -22,6 +23,13 @@ struct LinkInput {
   Plan plan;
   uint64_t frames_key = 0;  // of what the frames depend on
 };
+
+// An object's mesh as an image holds it.
+struct MeshSection {
+  std::vector<std::byte> bytes;
+  uint32_t vertex_count = 0, coded_vertex_bytes = 0, coded_index_bytes = 0;
+};
+MeshSection mesh_section(const DrawnObject& object);
 
 // The bytes of the image: deterministic, and ImageView::open accepts them.
 std::vector<std::byte> link_image(const LinkInput& input);

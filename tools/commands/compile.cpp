@@ -29,10 +29,12 @@ void CompileCommand::run() const {
   const double ratio = static_cast<double>(report.raw_bytes) / static_cast<double>(report.bytes);
   if (common.json) {
     print_json({{"image", image}, {"bytes", report.bytes}, {"raw_bytes", report.raw_bytes}, {"ratio", ratio}, {"frames", report.frames},
-                {"frames_rendered", report.frames_rendered}, {"seconds", report.seconds}});
+                {"frames_rendered", report.frames_rendered}, {"seconds", report.seconds}, {"trace_seconds", report.trace_seconds},
+                {"infer_seconds", report.infer_seconds}, {"encode_seconds", report.encode_seconds}});
   } else if (!common.quiet) {
-    fmt::print("{}: {} bytes, {:.1f}:1, {} frames ({} traced now), {:.1f} s\n", image, report.bytes, ratio, report.frames,
-               report.frames_rendered, report.seconds);
+    fmt::print("{}: {} bytes, {:.1f}:1, {} frames ({} traced now), {:.1f} s: tracing {:.1f}, inferring {:.1f}, coding {:.1f} ({:.0f} ms a sample)\n",
+               image, report.bytes, ratio, report.frames, report.frames_rendered, report.seconds, report.trace_seconds, report.infer_seconds,
+               report.encode_seconds, 1000 * report.encode_seconds / static_cast<double>(report.samples));
   }
 }
 
