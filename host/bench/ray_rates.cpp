@@ -105,12 +105,12 @@ RayRates measure_ray_rates(const Scene& scene, int samples_per_pixel, Progress& 
   options.samples_per_pixel = samples_per_pixel;
   const auto render = [&](int threads) { tbb::task_arena(threads).execute([&] { tracer.render(middle, options); }); };
 
-  constexpr double kNever = std::numeric_limits<double>::infinity();
+  constexpr double kUnmeasured = std::numeric_limits<double>::infinity();
   const bool two = std::thread::hardware_concurrency() > 1;
-  RayRates rates{{bench.picture.size(), bench.picture.shadows(), kNever, kNever},
-                 {bench.bounces.size(), bench.bounces.shadows(), kNever, kNever},
-                 kNever,
-                 two ? kNever : 0};
+  RayRates rates{{bench.picture.size(), bench.picture.shadows(), kUnmeasured, kUnmeasured},
+                 {bench.bounces.size(), bench.bounces.shadows(), kUnmeasured, kUnmeasured},
+                 kUnmeasured,
+                 two ? kUnmeasured : 0};
   size_t hits = 0;
   progress.begin("measure", kRounds, 0, "rounds");
   for (int round = 0; round < kRounds; ++round) {

@@ -3,13 +3,12 @@
 
 #include <nlohmann/json.hpp>
 
-#include "hal/storage.h"
-#include "host/base/error.h"
 #include "host/base/output_file.h"
 #include "host/bench/inference_cost.h"
 #include "host/compile/compile.h"
 #include "host/compile/preset.h"
 #include "tools/commands/commands.h"
+#include "tools/commands/html.h"
 #include "tools/commands/print_json.h"
 #include "tools/commands/scene_input.h"
 #include "tools/commands/work_folder.h"
@@ -77,11 +76,6 @@ void print_cost(const InferenceCost& cost) {
   fmt::print("most memory at once: {:.0f} MiB\n", static_cast<double>(cost.peak_bytes) / (1 << 20));
 }
 
-void write_plot(const std::string& file, const std::string& svg) {
-  const Status status = hal::write_file_atomically(file.c_str(), std::as_bytes(std::span(svg)));
-  if (!status.ok()) throw InputError(file, status.detail(), "free some space, or name another file");
-}
-
 }  // namespace
 
 void BenchInferenceCostCommand::run() const {
@@ -96,7 +90,7 @@ void BenchInferenceCostCommand::run() const {
   const InferenceCost cost =
       measure_inference_cost(*loaded, trace_options(*loaded), {.trace = !no_trace, .scaling = !no_scaling, .whole_grid = whole},
                              folder.path() / "inference-cost", *progress);
-  if (!plot.empty()) write_plot(plot, plot_of(cost));
+  if (!plot.empty()) write_page(plot, plot_of(cost));
   if (common.json) return print_json(json_of(cost));
   print_cost(cost);
 }

@@ -150,6 +150,17 @@ void add_bench_compression(CLI::App& bench, BenchCompressionCommand& options) {
   command->footer("Example: vitrine bench compression shop --size 320x240 --noise 36 --work shop.work");
 }
 
+void add_bench_allocation(CLI::App& bench, BenchAllocationCommand& options) {
+  CLI::App* command = bench.add_subcommand("allocation", "Error over bytes of every object's layers, and how steep each curve is where the storage is shared out");
+  command->add_option("SCENE", options.scene, "Folder with scene.toml, or a .toml file")->required()->check(kNotEmpty);
+  command->add_option("--preset", options.preset, "As in compile")->capture_default_str()->check(CLI::IsMember({"tiny", "small", "full"}));
+  command->add_option("--storage", options.storage, "What textures alone take, instead of the scene's storage: \"100:1\", \"150 KB/block\", \"12 MB\"")->check(kNotEmpty);
+  command->add_option("--plot", options.plot, "Write the curves (SVG)")->check(kNotEmpty);
+  command->add_option("--work", options.work, "Folder for frames and textures (default: one that is removed afterwards)")->check(kNotEmpty);
+  add_common_options(*command, options.common);
+  command->footer("Example: vitrine bench allocation shop --storage 384:1 --work shop.work --plot allocation.svg");
+}
+
 void add_bench_smoothing(CLI::App& bench, BenchSmoothingCommand& options) {
   CLI::App* command = bench.add_subcommand("smoothing", "What smoothing textures over the axes takes from the samples and gives between them, in images of one size");
   command->add_option("SCENE", options.scene, "Folder with scene.toml, or a .toml file")->required()->check(kNotEmpty);
@@ -190,6 +201,7 @@ struct Commands {
   BenchInferenceCommand bench_inference;
   BenchCoordinatesCommand bench_coordinates;
   BenchInferenceCostCommand bench_inference_cost;
+  BenchAllocationCommand bench_allocation;
   BenchSmoothingCommand bench_smoothing;
   BenchDecodeCommand bench_decode;
   BenchCompressionCommand bench_compression;
@@ -206,6 +218,7 @@ std::function<void()> chosen(const CLI::App& app, const Commands& commands) {
   if (app.get_subcommand("bench")->got_subcommand("coordinates")) return [command = commands.bench_coordinates] { command.run(); };
   if (app.get_subcommand("bench")->got_subcommand("inference-cost")) return [command = commands.bench_inference_cost] { command.run(); };
   if (app.get_subcommand("bench")->got_subcommand("compression")) return [command = commands.bench_compression] { command.run(); };
+  if (app.get_subcommand("bench")->got_subcommand("allocation")) return [command = commands.bench_allocation] { command.run(); };
   if (app.get_subcommand("bench")->got_subcommand("smoothing")) return [command = commands.bench_smoothing] { command.run(); };
   if (app.get_subcommand("bench")->got_subcommand("decode")) return [command = commands.bench_decode] { command.run(); };
   return [command = commands.bench_trace] { command.run(); };
@@ -233,6 +246,7 @@ std::function<void()> parse_command_line(int argc, char** argv) {
   add_bench_coordinates(*bench, commands.bench_coordinates);
   add_bench_inference_cost(*bench, commands.bench_inference_cost);
   add_bench_compression(*bench, commands.bench_compression);
+  add_bench_allocation(*bench, commands.bench_allocation);
   add_bench_smoothing(*bench, commands.bench_smoothing);
   add_bench_decode(*bench, commands.bench_decode);
   // CLI11 would only say that a subcommand is missing.

@@ -103,6 +103,12 @@ struct BenchCompressionCommand {
   void run() const;
 };
 
+struct BenchAllocationCommand {
+  std::string scene, preset = "small", storage, work, plot;
+  CommonOptions common;
+  void run() const;
+};
+
 struct BenchSmoothingCommand {
   std::string scene, preset = "small", work;
   CommonOptions common;

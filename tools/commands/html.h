@@ -13,7 +13,7 @@ extern const char* const kPageStyle;
 
 std::string html_escaped(const std::string& text);
 
-// Throws InputError where the file cannot be written.
+// A page, or a picture (SVG) for one. Throws InputError where the file cannot be written.
 void write_page(const std::filesystem::path& file, const std::string& html);
 
 }  // namespace vitrine
