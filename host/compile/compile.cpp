@@ -23,6 +23,10 @@
 namespace vitrine {
 namespace {
 
+double seconds_since(std::chrono::steady_clock::time_point start) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
 // Over how many pictures a layer that does not depend on the view is averaged. Only in steps of half an octave, so that an axis
 // that grows a little leaves the frames that there are as they are.
 int views_averaged(const Scene& scene) {
@@ -263,14 +267,6 @@ BuiltImage build_image(const Scene& scene, const Inference& inference, const std
   for (const EncodedField& field : encoded) image.field_bytes += field.bytes();
   return image;
 }
-
-namespace {
-
-double seconds_since(std::chrono::steady_clock::time_point start) {
-  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-}
-
-}  // namespace
 
 CompileReport compile_scene(const Scene& scene, const CompileOptions& options, Progress& progress) {
   const auto start = std::chrono::steady_clock::now();

@@ -10,6 +10,7 @@
 #include <tuple>
 #include <unordered_map>
 
+#include "host/infer/bit_hash.h"
 #include "host/infer/convex_hull.h"
 #include "host/infer/uv_raster.h"
 
@@ -22,14 +23,7 @@ constexpr double kOverlapAllowed = 0.005;
 
 // Vertices at equal positions (bit for bit, -0 is 0) get the same number.
 std::vector<uint32_t> weld(std::span<const glm::vec3> positions) {
-  struct Hash {
-    size_t operator()(const std::array<uint32_t, 3>& key) const {
-      uint64_t h = 0x9e3779b97f4a7c15ull;
-      for (const uint32_t k : key) h = (h ^ k) * 0xff51afd7ed558ccdull, h ^= h >> 32;
-      return static_cast<size_t>(h);
-    }
-  };
-  std::unordered_map<std::array<uint32_t, 3>, uint32_t, Hash> numbers;
+  std::unordered_map<std::array<uint32_t, 3>, uint32_t, BitHash> numbers;
   std::vector<uint32_t> welded;
   welded.reserve(positions.size());
   for (const glm::vec3& position : positions) {

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "formats/mesh.h"
+#include "host/infer/bit_hash.h"
 
 namespace vitrine {
 
@@ -23,14 +24,7 @@ class VertexTable {
   }
 
  private:
-  struct Hash {
-    size_t operator()(const std::array<uint32_t, 5>& key) const {
-      uint64_t h = 0x9e3779b97f4a7c15ull;
-      for (const uint32_t k : key) h = (h ^ k) * 0xff51afd7ed558ccdull, h ^= h >> 32;
-      return static_cast<size_t>(h);
-    }
-  };
-  std::unordered_map<std::array<uint32_t, 5>, uint32_t, Hash> numbers_;
+  std::unordered_map<std::array<uint32_t, 5>, uint32_t, BitHash> numbers_;
 };
 
 }  // namespace vitrine

@@ -4,7 +4,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <ctime>
 #include <random>
 
 #include "formats/wavelet.h"
@@ -242,30 +241,6 @@ TEST(SpihtEncoder, DamagedNodesNeverDoMoreThanDeclared) {
     }
     EXPECT_TRUE(decoder.done());
     EXPECT_LE(spent, code.units);
-  }
-}
-
-// Not a test of speed (machines differ and are shared): prints what the plan's units mean here.
-TEST(SpihtDecoder, PrintsItsSpeed) {
-  const CodedPlanes planes = synthetic::texture(512, 512, {}, {3, 2});
-  std::vector<uint16_t> scratch(spiht_scratch_words(512, 512));
-  for (const double step : {25.0, 60.0, 200.0}) {
-    const NodeTask task = task_of(planes, 512, 512, step);
-    const NodeCode code = SpihtEncoder().encode(task);
-    std::vector<int16_t> out(planes.size());
-    double best = 1e9;
-    for (int r = 0; r < 5; ++r) {
-      timespec from, to;
-      clock_gettime(CLOCK_THREAD_CPUTIME_ID, &from);
-      SpihtDecoder decoder;
-      ASSERT_TRUE(decoder.start(desc_of(task, code.units), std::as_bytes(std::span(code.bytes)), out, scratch).ok());
-      while (!decoder.done()) ASSERT_TRUE(decoder.step(100000).ok());
-      clock_gettime(CLOCK_THREAD_CPUTIME_ID, &to);
-      best = std::min(best, static_cast<double>(to.tv_sec - from.tv_sec) + 1e-9 * static_cast<double>(to.tv_nsec - from.tv_nsec));
-    }
-    std::printf("%.3f bit/texel: %.0f Mtexel/s on one core, %.2f ns per unit\n",
-                8.0 * static_cast<double>(code.bytes.size()) / (512 * 512), 512 * 512 / best / 1e6,
-                1e9 * best / static_cast<double>(code.units));
   }
 }
 
